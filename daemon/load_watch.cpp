@@ -36,11 +36,17 @@ std::string LoadWatch::check(std::uint64_t came, std::uint64_t matched, std::uin
         2 * (over_budget - window_->over_budget) > came - window_->came - (matched - window_->matched);
     window_ = {now, came, matched, over_budget};
     constexpr double kept = 0.95;
-    overloaded_ = matched_rate > 0 && matched_rate < kept * came_rate ? overloaded_ + 1 : 0;
+    // Where none is matched, something else is wrong, unless the budget says that it is the reason.
+    const bool is_load = matched_rate > 0 || for_budget;
+    overloaded_ = is_load && matched_rate < kept * came_rate ? overloaded_ + 1 : 0;
     if (overloaded_ < windows_in_a_row) {
         return {};
     }
     told_ = true;
+    constexpr double hardly_any = 0.05;
+    if (for_budget && matched_rate < hardly_any * came_rate) {
+        return budget_leaves_little(came_rate, matched_rate, budget_);
+    }
     return slower_than_the_source(came_rate, matched_rate, width_, height_, disparities_, for_budget ? budget_ : 0);
 }
 
@@ -52,8 +58,8 @@ std::string slower_than_the_source(double came_rate, double matched_rate, int wi
     constexpr int min_side = 64;
     const std::string why = budget > 0 ? fmt::format("[pipeline] cores = {} is less than matching needs", budget)
                                        : "matching is slower than the source";
-    std::string line = fmt::format("{}: {:.1f} frames/s come, {:.1f} are matched, the others are dropped", why,
-                                   came_rate, matched_rate);
+    std::string line = fmt::format("{}: {:.1f} frames/s come, {:.1f} are matched, the others are {}", why, came_rate,
+                                   matched_rate, budget > 0 ? "left out" : "dropped");
     const int fewer = static_cast<int>(share * disparities) / step * step;
     const auto side = [&](int length) { return static_cast<int>(std::sqrt(share) * length) / 8 * 8; };
     const std::string smaller = std::min(side(width), side(height)) >= min_side
@@ -64,6 +70,14 @@ std::string slower_than_the_source(double came_rate, double matched_rate, int wi
         return smaller.empty() ? line : line + ", or " + smaller;
     }
     return smaller.empty() ? line : line + ": about " + smaller + " would fit";
+}
+
+std::string budget_leaves_little(double came_rate, double matched_rate, double budget) {
+    return fmt::format(
+        "[pipeline] cores = {} leaves hardly any time for matching: {:.1f} frames/s come, {:.1f} are matched, the "
+        "others are left out: the rest of the daemon (decoding, recording, clients) takes it, or each frame costs "
+        "seconds of it: give more cores",
+        budget, came_rate, matched_rate);
 }
 
 }  // namespace disparityd::daemon

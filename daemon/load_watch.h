@@ -13,6 +13,10 @@ namespace disparityd::daemon {
 std::string slower_than_the_source(double came_rate, double matched_rate, int width, int height, int disparities,
                                    double budget = 0);
 
+/// Returns a line for people: so many frames per second come and hardly any are matched, because of `budget`, of
+/// [pipeline] cores. It names no size: where other work takes the budget, none would fit.
+std::string budget_leaves_little(double came_rate, double matched_rate, double budget);
+
 /// Notices when matching takes longer than the source's frames are apart, or more processor time than it may have, so
 /// that frames are dropped all the time. One thread.
 class LoadWatch {
@@ -28,7 +32,8 @@ public:
 
     /// Takes the numbers of frames since the start: those that came to be matched, those that were, and those of the
     /// others that were left out to keep the budget. Returns, once, a line for people with the number of disparities or
-    /// the size that would fit, when more than one of twenty frames is dropped for 30 s; else an empty text.
+    /// the size that would fit, when more than one of twenty frames is dropped for 30 s; else an empty text. Where none
+    /// is matched it tells only of a budget that is the reason.
     std::string check(std::uint64_t came, std::uint64_t matched, std::uint64_t over_budget, Time now);
 
 private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/load_watch.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace disparityd::daemon {
@@ -45,7 +46,22 @@ TEST(LoadWatch, ABudgetThatIsTooSmallIsNamed) {
     EXPECT_EQ(
         load.pass(1s, 32, 27),
         "[pipeline] cores = 1.5 is less than matching needs: 60.0 frames/s come, 32.0 are matched, the others are "
-        "dropped: about [match] disparities = 48 would fit, or [rectify] width = 880 and height = 496");
+        "left out: about [match] disparities = 48 would fit, or [rectify] width = 880 and height = 496");
+}
+
+TEST(LoadWatch, ABudgetThatLeavesNothingIsTold) {
+    for (const double matched_rate : {0.0, 0.5}) {
+        Load load;
+        EXPECT_EQ(load.pass(30s, matched_rate, 59), "");
+        const std::string told = load.pass(1s, matched_rate, 59);
+        EXPECT_EQ(told.find(fmt::format("[pipeline] cores = 1.5 leaves hardly any time for matching: 60.0 frames/s "
+                                        "come, {:.1f} are matched, the others are left out: the rest of the daemon",
+                                        matched_rate)),
+                  0U)
+            << told;
+        EXPECT_EQ(told.find("would fit"), std::string::npos) << "the frames may not be the reason";
+        EXPECT_EQ(load.pass(100s, matched_rate, 59), "");
+    }
 }
 
 TEST(LoadWatch, AFrameThatTheBudgetCostsNowAndThenIsNotTheReason) {
