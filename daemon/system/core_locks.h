@@ -14,7 +14,11 @@ inline constexpr const char* core_lock_folder = "/dev/shm";
 
 /// Claims of cores among all processes on this computer that see the same folder: a file for each core,
 /// disparityd-core-N, and who has locked it (flock) has the core. The system takes the lock from a process that ends,
-/// however it ends. The files are empty, nobody may write to them, and they stay.
+/// however it ends. The files are empty, nobody may write to them, and they stay when it ends.
+///
+/// Others may remove them, as systemd does with those of a user who has logged out or of a service (RemoveIPC=), even
+/// while another user has them locked. Whoever makes them anew can lock them, and two processes then have the same core
+/// until claim() is called by the first one, which finds that its file has no name any more.
 ///
 /// Daemons that take all cores they can get would not degrade evenly, were one of them pinned and the others not: while
 /// two of them run, none of them has a core. Each has a lock on the file disparityd-core-all that excludes nobody, and
