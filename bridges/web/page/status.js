@@ -54,6 +54,7 @@ function countsOf(status) {
     ['Lost by source', counted(status.lost), loss(status.lost)],
     ['Damaged', counted(status.damaged), loss(status.damaged)],
     ...(status.unwanted > 0 ? [['Unwanted', counted(status.unwanted), '', 'Came while nobody wanted frames: [pipeline] on_demand']] : []),
+    ...(status.over_budget > 0 ? [['Over the budget', counted(status.over_budget), '', 'Left out to keep within [pipeline] cores']] : []),
     ['Uptime', uptime(status.uptime_s)],
   ]
 }
