@@ -50,15 +50,15 @@ class PageSession {
     this.programs = programs
     this.folder = fs.mkdtempSync(path.join(os.tmpdir(), 'disparityd-page-'))
     this.name = `page${process.pid}`
-    this.socket = path.join(this.folder, `disparityd-${this.name}.sock`) // where disparity-web --all looks, with XDG_RUNTIME_DIR
+    this.socket = this.#socketOf(this.name)
     process.on('exit', () => this.#endNow())
   }
 
-  /** Starts a daemon on a source. Returns its process; frames come later. */
-  startDaemon(source, settings = []) {
-    const options = ['scan.enabled=true', 'match.depth_error=true', `socket.unix=${this.socket}`, 'socket.tcp=', `record.directory=${this.folder}`,
-      ...settings]
-    return this.#start(this.programs.disparityd, ['--source', source, '--name', this.name, ...options.flatMap(option => ['--set', option])])
+  /** Starts a daemon on a source. Returns its process; frames come later. Another name is for one beside the session's. */
+  startDaemon(source, settings = [], name = this.name) {
+    const options = ['scan.enabled=true', 'match.depth_error=true', `socket.unix=${this.#socketOf(name)}`, 'socket.tcp=',
+      `record.directory=${this.folder}`, ...settings]
+    return this.#start(this.programs.disparityd, ['--source', source, '--name', name, ...options.flatMap(option => ['--set', option])])
   }
 
   /** Starts disparity-web and waits for its address. Returns { process, address }. */
@@ -69,6 +69,11 @@ class PageSession {
   /** The same for all daemons of the machine. */
   startWebOfAll(more = []) {
     return this.#startWeb(['--all', '--listen', '127.0.0.1:0', ...more])
+  }
+
+  /** Where disparity-web --all looks for a daemon of this name, with XDG_RUNTIME_DIR. */
+  #socketOf(name) {
+    return path.join(this.folder, `disparityd-${name}.sock`)
   }
 
   async #startWeb(parameters) {

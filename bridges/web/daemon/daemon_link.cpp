@@ -47,6 +47,15 @@ void check_user(const disparity::SocketClient& client, const LocalSocket& socket
     }
 }
 
+/// Frames come by the name alone, to have them from shared memory where that is. Over TCP it may be any daemon.
+void check_way_of_frames(disparity::Client& client, const std::string& name) {
+    const std::string way = client.where();
+    if (way.rfind("shared memory", 0) != 0 && !client.socket().server_user()) {
+        throw std::runtime_error("no daemon named " + name + " gives frames: who answers does so over TCP (" + way +
+                                 "), where it may be another one, so it is left alone");
+    }
+}
+
 }  // namespace
 
 disparity::Client DaemonAddress::connect(const std::string& role, const disparity::Subscription& wanted) const {
@@ -54,8 +63,13 @@ disparity::Client DaemonAddress::connect(const std::string& role, const disparit
     to.client_name = "disparity-web " + role;
     to.timeout = std::chrono::seconds(2);  // a daemon that does not greet within this time hangs
     to.reach = options;
-    if (!by_unix_socket || !wanted.products.empty()) {
+    if (!by_unix_socket) {
         return disparity::connect(where, wanted, to);
+    }
+    if (!wanted.products.empty()) {
+        disparity::Client client = disparity::connect(where, wanted, to);
+        check_way_of_frames(client, where);
+        return client;
     }
     const LocalSocket socket = socket_of(where);
     disparity::Client client = disparity::connect("unix:" + socket.path, wanted, to);

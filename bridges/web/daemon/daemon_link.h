@@ -11,8 +11,9 @@ namespace disparityd::web {
 struct DaemonAddress {
     std::string where = "default";  ///< as disparity::connect() takes it
     disparity::ConnectOptions options{};
-    /// Status and control by the Unix socket of that name only. By a name alone, a client that finds nobody looks for
-    /// daemons of other names, and by the name "default" it takes whoever listens at the usual TCP port.
+    /// Status and control by the Unix socket of that name only, frames by that or its shared memory. By a name alone, a
+    /// client that finds nobody looks for daemons of other names, and by the name "default" it takes whoever listens at
+    /// the usual TCP port.
     bool by_unix_socket = false;
 
     /// Connects as disparity::connect() does, and throws as that. `role` tells this program's connections apart in the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/http/all_daemons.h"
 
+#include <chrono>
 #include <exception>
 #include <set>
 #include <utility>
@@ -19,6 +20,8 @@ namespace http = boost::beast::http;
 using json::Json;
 
 constexpr std::string_view prefix = "/i/";
+/// Threads that the system refuses now it may grant later.
+constexpr std::chrono::seconds pause_before_retry{5};
 
 Json entry_of(const std::string& name, const DaemonState& state) {
     Json entry{{"name", name},
@@ -59,26 +62,49 @@ std::string_view daemon_in_path(std::string_view path) {
 }
 
 AllDaemons::AllDaemons(const ServerParts& parts)
-    : parts_(parts), folders_(proto::socket_folders()), watch_(folders_, [this](std::set<std::string> names) {
+    : parts_(parts),
+      folders_(proto::socket_folders()),
+      retry_(parts.network),
+      watch_(folders_, [this](std::set<std::string> names) {
           boost::asio::post(parts_.network, [this, names = std::move(names)] { on_names(names); });
       }) {}
 
-void AllDaemons::on_names(const std::set<std::string>& names) {
+/// Begins with those of the present names that are not served yet. What is refused for one holds no other.
+void AllDaemons::add_new() {
+    beyond_.clear();
     left_out_.clear();
-    for (const std::string& name : names) {
-        if (daemons_.count(name) == 0) {
-            try {
-                if (daemons_.size() < most) {
-                    daemons_.emplace(name, std::make_unique<ServedDaemon>(parts_, DaemonAddress{name, {}, true},
-                                                                          ServedDaemon::Unwatched::seldom));
-                } else {
-                    left_out_.insert(name);
-                }
-            } catch (const std::exception&) {
-                left_out_.insert(name);  // no thread for it: the others go on
-            }
+    for (const std::string& name : present_) {
+        if (daemons_.count(name) != 0) {
+            continue;
+        }
+        if (daemons_.size() >= most) {
+            beyond_.insert(name);
+            continue;
+        }
+        try {
+            daemons_.emplace(name, std::make_unique<ServedDaemon>(parts_, DaemonAddress{name, {}, true},
+                                                                  ServedDaemon::Unwatched::seldom));
+        } catch (const std::exception& error) {
+            left_out_[error.what()].insert(name);
         }
     }
+    if (!left_out_.empty()) {
+        try_again_later();
+    }
+}
+
+void AllDaemons::try_again_later() {
+    retry_.expires_after(pause_before_retry);
+    retry_.async_wait([this](const boost::system::error_code& ended) {
+        if (!ended) {
+            add_new();
+        }
+    });
+}
+
+void AllDaemons::on_names(const std::set<std::string>& names) {
+    present_ = names;
+    add_new();
     for (const auto& [name, daemon] : daemons_) {
         daemon->set_present(names.count(name) != 0, "the daemon named " + name +
                                                         " has stopped: its socket is gone; start it again, or look "
@@ -127,15 +153,25 @@ std::string AllDaemons::Overview::list_json() const {
     for (const auto& [name, daemon] : all_.daemons_) {
         list.push_back(entry_of(name, daemon->state()));
     }
-    std::string note;
-    if (list.empty()) {
-        note = why_no_daemon(all_.folders_);
-    } else if (!all_.left_out_.empty()) {
-        note = "not shown: " + text_of_names(all_.left_out_) + "; " + std::to_string(most) +
-               " daemons are the most, those that have gone among them: start disparity-web again to forget these";
-    }
-    return json::to_text({{"instances", list}, {"note", note}, {"web", {{"clients", all_.parts_.counters.clients}}}},
+    return json::to_text({{"instances", list}, {"note", note()}, {"web", {{"clients", all_.parts_.counters.clients}}}},
                          -1);
+}
+
+/// Returns what the list does not show, and why; "" where it shows all.
+std::string AllDaemons::Overview::note() const {
+    if (all_.daemons_.empty() && all_.left_out_.empty()) {
+        return why_no_daemon(all_.folders_);
+    }
+    std::string note;
+    for (const auto& [why, names] : all_.left_out_) {
+        note += std::string("not shown: ") + text_of_names(names) + ": " + why + "; it is tried again every " +
+                std::to_string(pause_before_retry.count()) + " s. ";
+    }
+    if (!all_.beyond_.empty()) {
+        note += "not shown: " + text_of_names(all_.beyond_) + "; " + std::to_string(most) +
+                " daemons are the most, those that have gone among them: start disparity-web again to forget these";
+    }
+    return note;
 }
 
 std::string AllDaemons::Overview::trouble() const {
@@ -145,7 +181,10 @@ std::string AllDaemons::Overview::trouble() const {
             lines += (lines.empty() ? "" : "\n") + name + ": " + why;
         }
     }
-    return all_.daemons_.empty() ? why_no_daemon(all_.folders_) : lines;
+    for (const auto& [why, names] : all_.left_out_) {
+        lines += (lines.empty() ? "" : "\n") + text_of_names(names) + ": not read: " + why;
+    }
+    return all_.daemons_.empty() && lines.empty() ? why_no_daemon(all_.folders_) : lines;
 }
 
 void AllDaemons::Absent::view(const Asked& asked) {

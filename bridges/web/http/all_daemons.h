@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include <boost/asio/steady_timer.hpp>
+
 #include "bridges/web/daemon/daemon_watch.h"
 #include "bridges/web/http/served_daemon.h"
 
@@ -40,6 +42,7 @@ private:
 
     private:
         std::string list_json() const;
+        std::string note() const;
 
         AllDaemons& all_;
     };
@@ -53,11 +56,16 @@ private:
     };
 
     void on_names(const std::set<std::string>& names);
+    void add_new();
+    void try_again_later();
 
     ServerParts parts_;
     std::vector<std::string> folders_;
     std::map<std::string, std::unique_ptr<ServedDaemon>, std::less<>> daemons_;
-    std::set<std::string> left_out_;  ///< names beyond the most
+    std::set<std::string> present_;                          ///< names that were seen at the last look
+    std::set<std::string> beyond_;                           ///< names beyond the most
+    std::map<std::string, std::set<std::string>> left_out_;  ///< names, by one line: what the system refused them
+    boost::asio::steady_timer retry_;
     Overview overview_{*this};
     Absent absent_;
     DaemonWatch watch_;

@@ -35,7 +35,8 @@ foxglove::Offer offer_of(const DaemonState& state) {
 FoxgloveLink::FoxgloveLink(const Workplace& workplace, std::string peer)
     : place_(workplace),
       peer_(std::move(peer)),
-      session_({"disparityd", base::version_line("disparity-web"), session_id()}, offer_of(workplace.hub.state())) {}
+      session_({"disparityd", base::version_line("disparity-web"), session_id()}, offer_of(workplace.hub.state())),
+      status_(workplace.hub.state().status) {}
 
 void FoxgloveLink::on_open(MessageLink& link) {
     link_ = &link;
@@ -86,14 +87,30 @@ void FoxgloveLink::on_frame(const std::shared_ptr<const LiveFrame>& frame) {
 }
 
 void FoxgloveLink::on_state(const DaemonState& state) {
-    if (link_ == nullptr || !state.there) {
-        return;  // viewers keep their panels while the daemon is away
+    if (link_ == nullptr) {
+        return;
+    }
+    if (!state.there) {
+        send_gone(state.why);
+        return;
     }
     send_texts(session_.set_offer(offer_of(state)));
     if (state.status) {
+        status_ = state.status;
         send_messages(session_.on_status(*state.status, now_ns()));
     }
     place_.hub.update_wants();
+}
+
+/// Viewers keep their panels while the daemon is away, with the last numbers; the state says that they are old.
+void FoxgloveLink::send_gone(const std::string& why) {
+    if (status_ != nullptr) {
+        v1::Status gone = *status_;
+        gone.set_state("gone");
+        gone.set_detail(why);
+        gone.set_rate(0);
+        send_messages(session_.on_status(gone, now_ns()));
+    }
 }
 
 void FoxgloveLink::on_sensors(const disparity::SensorBatch& batch) {

@@ -34,13 +34,15 @@ public:
 private:
     void send_texts(const std::vector<std::string>& texts);
     void send_messages(const std::vector<foxglove::Message>& messages);
+    void send_gone(const std::string& why);
     void send_next();
     void send_frame(const foxglove::Payloads& payloads, std::int64_t received_ns);
 
     Workplace place_;
     std::string peer_;
     foxglove::FoxgloveSession session_;
-    MessageLink* link_ = nullptr;  ///< nullptr after the end
+    std::shared_ptr<const v1::Status> status_;  ///< the newest; nullptr before the first
+    MessageLink* link_ = nullptr;               ///< nullptr after the end
     std::shared_ptr<const LiveFrame> waiting_;
     std::uint64_t passed_ = 0;  ///< frames that came since the last one that was sent
     bool encoding_ = false;

@@ -235,9 +235,10 @@ function problem() {
 
 function whyNoPicture(wrong) {
   if (paused) return ''
-  if (wrong) return wrong.title
-  if (link.link !== 'open') return 'connecting'
   const silent = performance.now() - Math.max(live.drawnAt, askedAt)
+  // A warning about frames that do come stands in the banner.
+  if (wrong && (wrong.tone === 'bad' || silent > NO_FRAME_MS)) return wrong.title
+  if (link.link !== 'open') return 'connecting'
   return silent > NO_FRAME_MS && images().length ? `no frame for ${fixed(silent / 1000, 0)} s` : live.frame ? '' : 'no frame yet'
 }
 

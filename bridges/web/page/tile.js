@@ -7,6 +7,7 @@ import { decode, headerOf } from './frame.js'
 import { problemOf } from './status.js'
 import { fixed, make, write } from './text.js'
 
+const NO_FRAME_MS = 2000
 const MOST_RATE = 5 // frames per second: enough to see that it lives
 const WIDTHS = [320, 480, 640] // of those that disparity-web makes
 
@@ -18,6 +19,10 @@ export class Tile {
   #connection
   #connected = false
   #products = []
+  #lost = false // the connection
+  #asks = false // for pictures
+  #askedAt = 0 // since when, by performance.now()
+  #drawnAt = 0
   #last = Promise.resolve()
 
   constructor({ name, path }) {
@@ -34,7 +39,11 @@ export class Tile {
     this.item.dataset.name = name
     const ignore = () => {}
     this.#connection = new Connection({
-      state: ({ link, why }) => { if (link === 'lost') this.#say(why) },
+      state: ({ link, why }) => {
+        this.#lost = link === 'lost'
+        if (this.#lost) this.#say(why)
+        else this.#askedAt = performance.now()
+      },
       hello: ({ products }) => {
         this.#products = products
         this.#subscribe()
@@ -58,7 +67,7 @@ export class Tile {
     write(this.facts, gone || !entry.state ? '' : `${fixed(entry.rate, 1)} /s, ${entry.source}`)
     write(this.why, problem ? gone ? problem.text : `${problem.title}: ${problem.text}` : '')
     if (gone) this.#say('no picture')
-    else if (entry.state === 'idle') this.#say('idle')
+    else if (!this.#lost) this.#saySilence(problem?.title ?? (entry.state === 'idle' ? 'idle' : ''))
   }
 
   /** Follows whether anybody can see the tile. It connects when that is so for the first time. */
@@ -84,6 +93,8 @@ export class Tile {
   #subscribe() {
     const image = ['disparity', 'left'].find(name => this.#products.includes(name))
     const wanted = this.#onScreen && !document.hidden && image
+    if (wanted && !this.#asks) this.#askedAt = performance.now()
+    this.#asks = Boolean(wanted)
     const pixels = this.picture.clientWidth * devicePixelRatio
     this.#connection.subscribe({
       images: wanted ? [image] : [],
@@ -108,11 +119,20 @@ export class Tile {
       }
       this.picture.style.aspectRatio = `${header.width} / ${header.height}`
       this.canvas.dataset.publishIndex = index
+      this.#drawnAt = performance.now()
       this.#say('')
     } catch (error) {
       this.#say(`a frame could not be drawn: ${error.message}`)
     }
     if (index !== null) this.#connection.seen(index)
+  }
+
+  /** Says in the picture that no new one has come for a while: `why`, where that is known. */
+  #saySilence(why) {
+    const silent = performance.now() - Math.max(this.#drawnAt, this.#askedAt)
+    if (silent < NO_FRAME_MS) return
+    if (why) this.#say(why)
+    else if (this.#asks) this.#say(`no frame for ${fixed(silent / 1000, 0)} s`)
   }
 
   /** Says in the picture why nothing new comes; '' = it does. */

@@ -272,6 +272,18 @@ async function checkTokens(session) {
   await page.context().close()
 }
 
+/** A picture that no other one follows does not look like a new one. */
+async function checkOldTile(page, session) {
+  const name = `${session.name}-ends`
+  const daemon = session.startDaemon('scene:vga@15?frames=30', [], name)
+  const picture = page.locator(`#daemons li[data-name="${name}"] .picture`)
+  const says = text => until(`the tile says "${text}"`, async () =>
+    await picture.count() > 0 && await picture.locator('.no-picture').textContent() === text && picture.evaluate(it => it.classList.contains('stale')))
+  await says('The source has ended')
+  await session.crash(daemon)
+  await says('no picture')
+}
+
 /** The page of all daemons: this test's has a tile with a live picture, which leads to its page. Others of the machine may be there. */
 async function checkAllDaemons(session) {
   const { process: web, address } = await session.startWebOfAll(tokenFile(session))
@@ -284,6 +296,7 @@ async function checkAllDaemons(session) {
   await until('the state in the tile', async () => await tile.locator('.pill').textContent() === 'running')
   const wide = await page.evaluate(() => document.documentElement.scrollWidth)
   assert.ok(wide <= 360, `the page is ${wide} px wide on a screen of 360 px`)
+  await checkOldTile(page, session)
   await tile.locator('a').click()
   await nextPicture(page, 'picture-right', 0)
   assert.strictEqual(page.url(), `${address}i/${session.name}/`)

@@ -123,6 +123,51 @@ TEST_F(WebPageTest, AStreamOfJpegs) {
     }
 }
 
+TEST_F(WebPageTest, ViewersOfAStreamAndOfFoxgloveAreToldThatTheDaemonHasGone) {
+    auto daemon = start_daemon();
+    const auto web = start_web();
+    wait_for_daemon("there");
+    HttpClient viewer(port());
+    ASSERT_TRUE(viewer.ask("GET", "/stream.mjpg?image=left&width=80"));
+    WebSocketClient foxglove(port(), "foxglove.sdk.v1");
+    foxglove.read();
+    json channel;
+    const json advertise = json::parse(foxglove.read().second);
+    for (const json& offered : advertise["channels"]) {
+        channel = offered["topic"] == "/status" ? offered["id"] : channel;
+    }
+    foxglove.send(json{{"op", "subscribe"}, {"subscriptions", {{{"id", 5}, {"channelId", channel}}}}}.dump());
+    const auto next_status = [&foxglove] { return json::parse(next_frame(foxglove).substr(13)); };
+    const auto next_part = [&viewer](const char* fact) {
+        auto part = viewer.answer();
+        while (part && part->head.count(fact) == 0) {
+            part = viewer.answer();
+        }
+        return part;
+    };
+    ASSERT_TRUE(next_part("x-timestamp"));
+    EXPECT_EQ(next_status()["state"], "running");
+    daemon->send_signal(SIGKILL);
+    daemon->wait_for_exit();
+    // The second one ends the first: browsers wait for that.
+    for (int i = 0; i < 2; ++i) {
+        const auto part = next_part("x-no-picture");
+        ASSERT_TRUE(part);
+        EXPECT_EQ(decoded(part->body).size(), cv::Size(80, 44));
+        EXPECT_EQ(part->head.count("x-timestamp"), 0U);
+    }
+    json status = next_status();
+    while (status["state"] != "gone") {
+        status = next_status();
+    }
+    EXPECT_NE(status["detail"], "");
+    EXPECT_EQ(status["source"], scene) << "the last that is known";
+    daemon = start_daemon();
+    ASSERT_TRUE(next_part("x-timestamp"));
+    while (next_status()["state"] != "running") {
+    }
+}
+
 TEST_F(WebPageTest, FramesOfAWebSocket) {
     const auto daemon = start_daemon();
     const auto web = start_web();
