@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -34,8 +35,12 @@ public:
     /// Ends the file and waits until the disk has it. Throws as write().
     void finish();
 
+    // What the file has, also after one of them has thrown.
     std::uint64_t messages() const { return writer_.messages(); }
     std::uint64_t bytes() const { return writer_.bytes(); }
+    const std::map<std::uint16_t, std::uint64_t>& messages_of_channels() const {
+        return writer_.messages_of_channels();
+    }
 
 private:
     /// An open file, closed at the end of the object's life.

@@ -126,18 +126,24 @@ void McapStreamWriter::write(const McapMessage& message) {
     chunk_.append(reinterpret_cast<const char*>(message.data.data()), message.data.size());
     chunk_span_.add(message.log_ns);
     span_.add(message.log_ns);
-    ++counts_[message.channel];
-    ++messages_;
     if (chunk_.size() >= layout_.chunk_bytes) {
         end_chunk();
     }
 }
 
 void McapStreamWriter::end_chunk() {
-    if (!chunk_.empty()) {
-        pack_chunk();
-        hand_over();
+    if (chunk_.empty()) {
+        return;
     }
+    pack_chunk();
+    hand_over();
+    for (const auto& [channel, entries] : entries_) {
+        counts_[channel] += entries.size();
+        messages_ += entries.size();
+    }
+    chunk_.clear();
+    chunk_span_ = {};
+    entries_.clear();
 }
 
 /// Puts the chunk and its indexes into out_, which is empty.
@@ -175,9 +181,6 @@ void McapStreamWriter::pack_chunk() {
     append_text(index, packing);
     append_number(index, packed, 8);
     append_number(index, chunk_.size(), 8);
-    chunk_.clear();
-    chunk_span_ = {};
-    entries_.clear();
 }
 
 /// Appends the indexes to out_. Returns where each channel's lies, as the index of the chunk has it.

@@ -50,8 +50,10 @@ public:
     /// Ends the file. Nothing is written afterwards.
     void finish();
 
+    // What the sink has taken: messages of a chunk count once all of it is there, those of a chunk at hand do not.
     std::uint64_t messages() const { return messages_; }
-    std::uint64_t bytes() const { return position_ + out_.size(); }  ///< in the sink
+    std::uint64_t bytes() const { return position_; }
+    const std::map<std::uint16_t, std::uint64_t>& messages_of_channels() const { return counts_; }
 
 private:
     struct Span {
@@ -80,7 +82,7 @@ private:
     Span chunk_span_;
     std::map<std::uint16_t, Entries> entries_;  ///< of the chunk at hand
     std::vector<std::string> schemas_, channels_, chunk_indexes_, summary_offsets_;
-    std::map<std::uint16_t, std::uint64_t> counts_;
+    std::map<std::uint16_t, std::uint64_t> counts_;  ///< of whole chunks, as messages_
     Span span_;
     std::uint64_t messages_ = 0;
 };

@@ -180,6 +180,34 @@ TEST(McapStreamWriter, AFileThatWasCutOffGivesItsWholeChunks) {
     }
 }
 
+/// As of a disk that is full.
+TEST(McapStreamWriter, CountsWhatTheSinkHasTaken) {
+    const std::vector<Sent> messages = some_messages();
+    const Written whole = written(messages);
+    constexpr std::size_t taken = 5;
+    std::size_t calls = 0;
+    McapStreamWriter writer(
+        [&](std::string_view) {
+            if (calls++ == taken) {
+                throw std::runtime_error("full");
+            }
+        },
+        small_chunks());
+    define(writer);
+    std::size_t given = 0;
+    const auto give_all = [&] {
+        for (const Sent& message : messages) {
+            put(writer, message, static_cast<std::uint32_t>(++given));
+        }
+    };
+    EXPECT_EQ(test::refusal(give_all), "full");
+    EXPECT_EQ(writer.bytes(), whole.ends[taken - 1]);
+    EXPECT_EQ(writer.messages(), whole.messages[taken - 1]);
+    EXPECT_GT(given, writer.messages());
+    const auto& counts = writer.messages_of_channels();
+    EXPECT_EQ(counts.at(0) + counts.at(1), writer.messages());
+}
+
 TEST(McapStreamWriter, RefusesWhatIsNotThere) {
     McapStreamWriter writer([](std::string_view) {});
     EXPECT_THROW(writer.add_channel(1, "/text", "cdr"), std::out_of_range);
