@@ -7,6 +7,14 @@
 
 namespace disparityd::pipeline {
 
+void check_recorded_correction(const capture::RawFrame& frame) {
+    if (!calibration::is_plausible(frame.correction)) {
+        throw std::runtime_error("frame " + std::to_string(frame.sequence) +
+                                 ": the recorded correction of the calibration is damaged; use the calibration alone: "
+                                 "--no-self-calibration");
+    }
+}
+
 FixedRectification::FixedRectification(const calibration::Rectification& rectification)
     : rectification_(std::shared_ptr<const calibration::Rectification>(), &rectification) {}
 
@@ -46,11 +54,7 @@ void CorrectedRectification::apply(const calibration::CalibrationCorrection& cor
 std::shared_ptr<const calibration::Rectification> CorrectedRectification::for_frame(capture::RawFrame& frame) {
     const std::lock_guard lock(mutex_);
     if (follow_ == Follow::recorded && frame.correction != state_.correction) {
-        if (!calibration::is_plausible(frame.correction)) {
-            throw std::runtime_error("frame " + std::to_string(frame.sequence) +
-                                     ": the recorded correction of the calibration is damaged; use the calibration "
-                                     "alone: --no-self-calibration");
-        }
+        check_recorded_correction(frame);
         current_ = build(frame.correction);
         state_ = {frame.correction, std::nullopt};
     }

@@ -13,6 +13,9 @@
 
 namespace disparityd::pipeline {
 
+/// Throws std::runtime_error with one line when a frame was recorded with a correction that no camera can need.
+void check_recorded_correction(const capture::RawFrame& frame);
+
 /// Chooses the rectification of each frame of a source. All rectifications have the size of the first.
 class RectificationSchedule {
 public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A source exported as messages of ROS 2 and read back. read_export.cjs reads such a file by another implementation.
+#include <array>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -39,6 +40,7 @@ calibration::InertialCalibration mounted_sensor() {
 struct Topic {
     std::string type;
     int messages = 0;
+    std::map<std::string, std::array<double, 4>> turns;  ///< of /tf_static, by the child: x, y, z, w
     std::map<std::string, std::string> texts;
     std::map<std::string, std::vector<double>> numbers;
     std::vector<std::uint8_t> data;  ///< of images
@@ -73,6 +75,13 @@ std::map<std::string, Topic> topics_in(const std::string& path) {
                 topic.numbers[numbers] = fields.numbers(numbers);
             }
         }
+        for (int i = 0; fields.has("transforms." + std::to_string(i) + ".child_frame_id"); ++i) {
+            const std::string at = "transforms." + std::to_string(i) + ".";
+            const std::string turn = at + "transform.rotation.";
+            topic.turns[std::string(fields.text(at + "child_frame_id"))] = {
+                fields.number(turn + "x"), fields.number(turn + "y"), fields.number(turn + "z"),
+                fields.number(turn + "w")};
+        }
         if (fields.has("data")) {
             const auto data = fields.bytes("data");
             topic.data.assign(data.begin(), data.end());
@@ -84,8 +93,9 @@ std::map<std::string, Topic> topics_in(const std::string& path) {
 class McapExportTest : public FolderTest {
 protected:
     /// Rendered frames as a recording, with samples of an inertial sensor and where that stands. `change` is made to
-    /// what the recording says of itself.
-    void record(const std::string& name, const std::function<void(capture::SourceInfo&)>& change = {}) {
+    /// what the recording says of itself, `change_frame` to each frame.
+    void record(const std::string& name, const std::function<void(capture::SourceInfo&)>& change = {},
+                const std::function<void(int, capture::RawFrame&)>& change_frame = {}) {
         capture::SourceOptions options;
         options.uri = "scene:vga@30?width=128&height=96&loop=4";
         options.pace = capture::Pace::fastest;
@@ -108,6 +118,9 @@ protected:
             frame.realtime_ns = start_ns + i * period_ns;
             sample.realtime_ns = frame.realtime_ns - 1000;
             frame.sensors = {&sample, 1};
+            if (change_frame) {
+                change_frame(i, frame);
+            }
             writer.write(frame);
             source->give_back(frame);
         }
@@ -115,7 +128,13 @@ protected:
     }
 
     Outcome export_to(const std::string& file, const std::string& source, std::vector<std::string> more = {}) {
-        more.insert(more.begin(), {"export", path(source), "--mcap", path(file), "--disparities", "16"});
+        more.insert(more.begin(), {"--disparities", "16"});
+        return copy_to(file, source, std::move(more));
+    }
+
+    /// Without an option of matching.
+    Outcome copy_to(const std::string& file, const std::string& source, std::vector<std::string> more) {
+        more.insert(more.begin(), {"export", path(source), "--mcap", path(file)});
         return run(DISPARITYCTL, more);
     }
 
@@ -270,7 +289,7 @@ TEST_F(McapExportTest, WithoutACalibrationThereAreNoDistances) {
 
 TEST_F(McapExportTest, RawAloneIsWrittenWithoutMatching) {
     record("r.mkv");
-    ASSERT_EQ(export_to("r.mcap", "r.mkv", {"--contents", "raw,imu,tf", "--camera-name", "front"}).exit_code, 0);
+    ASSERT_EQ(copy_to("r.mcap", "r.mkv", {"--contents", "raw,imu,tf", "--camera-name", "front"}).exit_code, 0);
     ASSERT_EQ(export_to("s.mcap", "r.mkv", {"--contents", "raw,imu,tf,disparity", "--camera-name", "front"}).exit_code,
               0);
     auto matched = topics_in(path("s.mcap"));
@@ -281,6 +300,63 @@ TEST_F(McapExportTest, RawAloneIsWrittenWithoutMatching) {
     for (const auto& [name, topic] : raw) {
         EXPECT_TRUE(topic.data == matched.at(name).data && topic.numbers == matched.at(name).numbers) << name;
     }
+}
+
+/// What the matrix of a turn is, as /tf_static has it.
+std::array<double, 9> matrix_of(const std::array<double, 4>& turn) {
+    const auto& [x, y, z, w] = turn;
+    return {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+            2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+            2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+}
+
+TEST_F(McapExportTest, TheFirstCorrectionIsInTransformsToo) {
+    record("r.mkv", {}, [](int, capture::RawFrame& frame) { frame.correction.roll_nrad = 20'000'000; });
+    const std::string turned = "stereo_left_raw_optical_frame";
+    std::set<std::array<double, 4>> found;
+    for (const char* contents : {"raw,tf", "raw,disparity,tf"}) {
+        const std::string file = "a" + std::to_string(found.size()) + ".mcap";
+        ASSERT_EQ(copy_to(file, "r.mkv", {"--contents", contents}).exit_code, 0);
+        auto topics = topics_in(path(file));
+        found.insert(topics["/tf_static"].turns.at(turned));
+        const std::array<double, 9> matrix = matrix_of(topics["/tf_static"].turns.at(turned));
+        EXPECT_THAT(topics["/stereo/left/camera_info"].numbers["r"],
+                    testing::Pointwise(testing::DoubleNear(1e-9), matrix));
+    }
+    EXPECT_EQ(found.size(), 1U);
+    ASSERT_EQ(copy_to("b.mcap", "r.mkv", {"--contents", "raw,tf", "--no-self-calibration"}).exit_code, 0);
+    EXPECT_NE(topics_in(path("b.mcap"))["/tf_static"].turns.at(turned), *found.begin());
+}
+
+TEST_F(McapExportTest, ADamagedCorrectionIsTold) {
+    record("r.mkv", {}, [](int i, capture::RawFrame& frame) { frame.correction.pitch_nrad = i == 2 ? 53'000'000 : 0; });
+    for (const char* contents : {"raw", "disparity"}) {
+        const Outcome outcome = copy_to(std::string(contents) + ".mcap", "r.mkv", {"--contents", contents});
+        EXPECT_EQ(outcome.exit_code, 1) << contents;
+        EXPECT_THAT(outcome.err, HasSubstr("the recorded correction of the calibration is damaged")) << contents;
+    }
+    EXPECT_EQ(topics_in(path("raw.mcap")).at("/stereo/left/image_raw").messages, 2);
+}
+
+TEST_F(McapExportTest, SamplesOfDamagedFramesAreKept) {
+    record("r.mkv", {}, [](int i, capture::RawFrame& frame) {
+        frame.flags |= i == 0 || i == frames - 1 ? std::uint32_t{capture::frame_flag_corrupt} : 0U;
+    });
+    for (const char* contents : {"raw,imu", "raw,imu,disparity"}) {
+        const std::string file = std::string(contents) + ".mcap";
+        ASSERT_EQ(copy_to(file, "r.mkv", {"--contents", contents}).exit_code, 0);
+        const auto topics = topics_in(path(file));
+        EXPECT_EQ(topics.at("/stereo/left/image_raw").messages, frames - 2) << contents;
+        EXPECT_EQ(topics.at("/stereo/imu/data_raw").messages, frames) << contents;
+    }
+}
+
+/// Before a daemon is asked.
+TEST_F(McapExportTest, ALimitOfFramesNeedsFrames) {
+    const Outcome outcome =
+        run(DISPARITYCTL, {"record", "--mcap", path("r.mcap"), "--contents", "imu,tf", "--frames", "3"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("--frames: found with --contents of which no frame comes, allowed: --seconds"));
 }
 
 TEST_F(McapExportTest, RefusesInOneLine) {
@@ -297,9 +373,29 @@ TEST_F(McapExportTest, RefusesInOneLine) {
     write_text(path("r.mcap"), "somebody's");
     EXPECT_THAT(refusal({}), HasSubstr("r.mcap: exists already"));
     EXPECT_EQ(read_file(path("r.mcap")), "somebody's");
-    EXPECT_EQ(export_to("r.mcap", "r.mkv", {"--force", "--contents", "raw"}).exit_code, 0);
-    const Outcome itself = run(DISPARITYCTL, {"export", path("r.mcap"), "--mcap", path("r.mcap"), "--force"});
-    EXPECT_THAT(itself.err, HasSubstr("is the source itself"));
+    EXPECT_EQ(copy_to("r.mcap", "r.mkv", {"--force", "--contents", "raw"}).exit_code, 0);
+    const std::string before = read_file(path("r.mcap"));
+    std::filesystem::create_hard_link(path("r.mcap"), path("s.mcap"));
+    const std::string topics = "?left=/stereo/left/image_raw&right=/stereo/right/image_raw";
+    for (const std::string& source : {path("r.mcap"), path("r.mcap") + topics, path("s.mcap") + topics}) {
+        const Outcome itself = run(DISPARITYCTL, {"export", source, "--mcap", path("r.mcap"), "--force"});
+        EXPECT_EQ(itself.exit_code, 2);
+        EXPECT_THAT(itself.err, HasSubstr("is the source itself"));
+        const Outcome recorded = run(DISPARITYCTL, {"record", "--source", source, path("r.mcap"), "--force"});
+        EXPECT_THAT(recorded.err, HasSubstr("is the source itself"));
+    }
+    EXPECT_TRUE(read_file(path("r.mcap")) == before);
+
+    // What only matching uses.
+    for (const std::vector<std::string>& option : std::vector<std::vector<std::string>>{
+             {"--size", "64x48"}, {"--self-calibrate"}, {"--max-distance-m", "9"}, {"--disparities", "32"}}) {
+        std::vector<std::string> more{"--contents", "raw,imu,tf"};
+        more.insert(more.end(), option.begin(), option.end());
+        const Outcome outcome = copy_to("t.mcap", "r.mkv", more);
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_THAT(outcome.err, HasSubstr(option.front() + ": is given with --contents that"));
+    }
+    EXPECT_EQ(copy_to("t.mcap", "r.mkv", {"--contents", "raw", "--frames", "1"}).exit_code, 0);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "base/failure_text.h"
 #include "base/words.h"
 #include "base/write_failure.h"
+#include "pipeline/rectification_schedule.h"
 #include "pipeline/worker_pool.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/program.h"
@@ -108,14 +109,17 @@ std::string copy_frames(FrameExport& to, capture::FrameSource& source, bool with
         std::optional<capture::RawFrame> frame;
         try {
             frame = next_frame(source);
+            if (frame && !with_corrections) {
+                frame->correction = {};
+            }
+            if (frame) {
+                pipeline::check_recorded_correction(*frame);  // here, as what came before can be ended well
+            }
         } catch (const std::exception& error) {
             return base::failure_text(error);
         }
         if (!frame) {
             return {};
-        }
-        if (!with_corrections) {
-            frame->correction = {};
         }
         to.write_raw(*frame);
         source.give_back(*frame);
@@ -201,7 +205,6 @@ int export_source(const ExportArguments& arguments) {
     } catch (const std::exception& error) {
         report.error = base::failure_text(error);
     }
-    report.frames = to.frames();
     report.take(to.file());
     return report.tell(arguments.process.json);
 }

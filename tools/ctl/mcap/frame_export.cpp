@@ -55,9 +55,10 @@ Rig rig_of(const std::optional<calibration::StereoCalibration>& calibration) {
     return rig;
 }
 
-std::vector<ros::Transform> transforms_of(const ExportPlan& plan, const capture::SourceInfo& source,
+std::vector<ros::Transform> transforms_of(const ExportPlan& plan,
+                                          const std::optional<calibration::StereoCalibration>& calibration,
                                           const RawPair* raw) {
-    const Rig rig = rig_of(source.calibration);
+    const Rig rig = rig_of(calibration);
     ros::TreeOfFrames tree{.names = ros::frame_names(mcap_naming, plan.camera),
                            .right = ros::right_frame_name(mcap_naming, plan.camera),
                            .places_the_scan = false};
@@ -77,7 +78,7 @@ std::vector<ros::Transform> transforms_of(const ExportPlan& plan, const capture:
 }  // namespace
 
 FrameExport::FrameExport(ExportPlan plan, const capture::SourceInfo& source)
-    : plan_(std::move(plan)), synthetic_(source.synthetic) {
+    : plan_(std::move(plan)), calibration_(source.calibration), synthetic_(source.synthetic) {
     McapParts parts = plan_.parts;
     if (parts.contains(McapPart::raw)) {
         raw_.emplace(source, plan_.camera);
@@ -96,9 +97,6 @@ FrameExport::FrameExport(ExportPlan plan, const capture::SourceInfo& source)
     encoding_.names = ros::frame_names(mcap_naming, plan_.camera);
     encoding_.cloud.most_points = UINT32_MAX;  // a file has room for all
     encoding_.hidden = ros::HiddenSpace::obstacle;
-    if (parts.contains(McapPart::tf)) {
-        transforms_ = transforms_of(plan_, source, raw_ ? &*raw_ : nullptr);
-    }
 }
 
 void FrameExport::take_raw(const capture::RawFrame& frame) {
@@ -114,15 +112,29 @@ void FrameExport::take_raw(const capture::RawFrame& frame) {
     captured_.push_back(std::move(captured));
 }
 
-/// Makes the file, once, with what does not change.
-void FrameExport::begin(std::int64_t realtime_ns) {
-    if (file_) {
-        return;
+/// Makes the file with the first frame that is good. What does not change is said with its correction: later ones are
+/// in the camera_info alone, as /tf_static says a thing once.
+void FrameExport::begin(const capture::RawFrame& frame) {
+    if (!file_) {
+        const bool is_told = calibration_ && plan_.parts.contains(McapPart::tf);
+        open(frame.realtime_ns, is_told ? std::optional(calibration_of(frame, *calibration_)) : std::nullopt);
     }
+}
+
+void FrameExport::open(std::int64_t realtime_ns, const std::optional<calibration::StereoCalibration>& calibration) {
     file_.emplace(plan_.file, plan_.existing);
-    if (!transforms_.empty()) {
+    const auto transforms = plan_.parts.contains(McapPart::tf)
+                                ? transforms_of(plan_, calibration, raw_ ? &*raw_ : nullptr)
+                                : std::vector<ros::Transform>();
+    if (!transforms.empty()) {
         file_->write(
-            {"/tf_static", "tf2_msgs/TFMessage", realtime_ns, ros::transform_message(realtime_ns, transforms_)});
+            {"/tf_static", "tf2_msgs/TFMessage", realtime_ns, ros::transform_message(realtime_ns, transforms)});
+    }
+}
+
+void FrameExport::write_samples(const Captured& captured) {
+    for (const disparity::SensorSample& sample : captured.samples) {
+        file_->write(sample, topics_, encoding_.names);
     }
 }
 
@@ -140,9 +152,7 @@ void FrameExport::write_captured(std::uint64_t sequence) {
         }
         // Those before are damaged frames, of which the samples are good.
         is_this = captured.sequence == sequence;
-        for (const disparity::SensorSample& sample : captured.samples) {
-            file_->write(sample, topics_, encoding_.names);
-        }
+        write_samples(captured);
         for (const RosMessageBytes& message : captured.pair) {
             file_->write(message);
         }
@@ -150,23 +160,34 @@ void FrameExport::write_captured(std::uint64_t sequence) {
 }
 
 void FrameExport::write(const pipeline::FrameSlot& slot, const FrameChain& chain) {
-    begin(slot.raw.realtime_ns);
+    begin(slot.raw);
     put_slot(frame_, slot, plan_.range,
              {.synthetic = synthetic_, .interpolated = plan_.interpolated, .first = frames_ == 0},
              {products_, chain.scan_bytes_of(slot), chain.flags_of(slot)});
     write_captured(slot.raw.sequence);
     file_->write(frame_, topics_, encoding_);
+    file_->end_frame();
     ++frames_;
 }
 
 void FrameExport::write_raw(const capture::RawFrame& frame) {
-    begin(frame.realtime_ns);
     take_raw(frame);
+    if ((frame.flags & capture::frame_flag_corrupt) != 0) {
+        return;  // its samples come with the next good one
+    }
+    begin(frame);
     write_captured(frame.sequence);
-    frames_ += (frame.flags & capture::frame_flag_corrupt) == 0 ? 1U : 0U;
+    file_->end_frame();
+    ++frames_;
 }
 
 void FrameExport::finish() {
+    for (const Captured& captured : captured_) {
+        if (!file_ && !captured.samples.empty()) {
+            open(captured.samples.front().realtime_ns, calibration_);
+        }
+        write_samples(captured);
+    }
     if (file_) {
         file_->finish();
     }

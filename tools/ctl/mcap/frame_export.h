@@ -35,7 +35,7 @@ struct ExportPlan {
 
 /// Writes the frames of a source into an MCAP file: of each first the samples of its sensors and the raw pair, as they
 /// were captured, then what was made of it. The file is made with the first frame. take_raw() and one of the others may
-/// be called by two threads; all others by one. Throws as RosMcap.
+/// be called by two threads; all others by one. Throws as RosMcap, and as calibration_of().
 class FrameExport {
 public:
     FrameExport(ExportPlan plan, const capture::SourceInfo& source);
@@ -52,10 +52,11 @@ public:
     /// Writes a frame as it was captured, of which nothing else is made.
     void write_raw(const capture::RawFrame& frame);
 
-    /// Ends the file, where there is one.
+    /// Writes the samples of frames that were kept and did not come out, as those behind the last good one, and ends
+    /// the file, where there is one. take_raw() is not called any more.
     void finish();
 
-    std::uint64_t frames() const { return frames_; }
+    std::uint64_t frames() const { return frames_; }  ///< that were given to it
     const std::optional<RosMcap>& file() const { return file_; }
 
 private:
@@ -66,15 +67,17 @@ private:
         std::vector<RosMessageBytes> pair;
     };
 
-    void begin(std::int64_t realtime_ns);
+    void begin(const capture::RawFrame& frame);
+    void open(std::int64_t realtime_ns, const std::optional<calibration::StereoCalibration>& calibration);
+    void write_samples(const Captured& captured);
     void write_captured(std::uint64_t sequence);
 
     const ExportPlan plan_;
+    const std::optional<calibration::StereoCalibration> calibration_;
     const bool synthetic_;
     std::vector<McapTopic> topics_;
     std::vector<disparity::Product> products_;
     ros::Encoding encoding_;
-    std::vector<ros::Transform> transforms_;
     bool wants_samples_ = false;
     std::mutex mutex_;
     std::optional<RawPair> raw_;     ///< of the thread that calls take_raw()

@@ -48,6 +48,7 @@ void print(const McapReport& report) {
 
 void McapReport::take(const std::optional<RosMcap>& written) {
     if (written) {
+        frames = written->frames();
         messages = written->messages();
         bytes = written->bytes();
         topics = written->messages_of_topics();

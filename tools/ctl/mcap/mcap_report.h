@@ -23,7 +23,7 @@ struct McapReport {
     bool disk_full = false;
     bool interruption_is_usual = false;  ///< as where only a signal ends it
 
-    /// Takes what the file says of itself; nothing: none was made.
+    /// Takes what the file has; nothing: none was made.
     void take(const std::optional<RosMcap>& written);
 
     /// Prints the summary, as one JSON object or for people, and what went wrong; returns the exit status.

@@ -6,6 +6,7 @@
 
 #include "bridges/ros_messages/image_messages.h"
 #include "calibration/rectified_camera.h"
+#include "pipeline/rectification_schedule.h"
 
 namespace disparityd::tools {
 namespace {
@@ -66,6 +67,14 @@ bool gives_distances(const StereoCalibration& calibration) {
 
 }  // namespace
 
+StereoCalibration calibration_of(const capture::RawFrame& frame, const StereoCalibration& calibration) {
+    pipeline::check_recorded_correction(frame);
+    if (calibration.rectified || !frame.correction.any()) {
+        return calibration;
+    }
+    return corrected(calibration, frame.correction);
+}
+
 RawPair::RawPair(const capture::SourceInfo& source, const std::string& camera)
     : rectified_(source.calibration && source.calibration->rectified) {
     if (source.calibration && gives_distances(*source.calibration)) {
@@ -81,26 +90,23 @@ RawPair::RawPair(const capture::SourceInfo& source, const std::string& camera)
     }
     const ros::FrameNames names = ros::frame_names(mcap_naming, camera);
     frame_ = rectified_ ? names.left : names.raw;
-    describe({});
+    if (calibration_) {
+        describe(*calibration_);
+    }
 }
 
-void RawPair::describe(const calibration::CalibrationCorrection& correction) {
-    correction_ = correction;
-    if (!calibration_) {
-        return;
-    }
+void RawPair::describe(const StereoCalibration& used) {
     Infos infos;
     for (ros::CameraInfoFields& fields : infos) {
         fields.frame = frame_;
-        fields.width = static_cast<std::uint32_t>(calibration_->width);
-        fields.height = static_cast<std::uint32_t>(calibration_->height);
+        fields.width = static_cast<std::uint32_t>(used.width);
+        fields.height = static_cast<std::uint32_t>(used.height);
     }
     constexpr double mm = 1e-3;
     if (rectified_) {
-        put_rectified(infos[0], calibration_->left, 0);
-        put_rectified(infos[1], calibration_->right, mm * calibration_->translation[0] * calibration_->left.fx);
+        put_rectified(infos[0], used.left, 0);
+        put_rectified(infos[1], used.right, mm * used.translation[0] * used.left.fx);
     } else {
-        const StereoCalibration used = correction.any() ? corrected(*calibration_, correction) : *calibration_;
         const calibration::RectifiedCamera view = rectified_camera(used, used.width, used.height);
         put_lens(infos[0], used.left);
         put_lens(infos[1], used.right);
@@ -113,8 +119,9 @@ void RawPair::describe(const calibration::CalibrationCorrection& correction) {
 }
 
 std::vector<RosMessageBytes> RawPair::messages_of(const capture::RawFrame& frame) {
-    if (frame.correction != correction_) {
-        describe(frame.correction);
+    if (calibration_ && frame.correction != correction_) {
+        describe(calibration_of(frame, *calibration_));
+        correction_ = frame.correction;
     }
     std::vector<RosMessageBytes> messages;
     for (const std::size_t eye : {0U, 1U}) {

@@ -13,6 +13,11 @@
 
 namespace disparityd::tools {
 
+/// Returns the calibration as the recorded correction of a frame changes it. Throws std::runtime_error with one line
+/// for a correction that no camera can need.
+calibration::StereoCalibration calibration_of(const capture::RawFrame& frame,
+                                              const calibration::StereoCalibration& calibration);
+
 /// Makes messages of frames as they were captured: an image of each eye and, where a calibration is known, its
 /// CameraInfo with lens, rotation and projection. Images of a source that is rectified already have the topics of
 /// rectified ones. One thread uses an object at a time.
@@ -21,7 +26,7 @@ public:
     /// `camera` is the name of the camera: topics are below /CAMERA.
     RawPair(const capture::SourceInfo& source, const std::string& camera);
 
-    /// Returns the messages of a frame, which is corrected as it says.
+    /// Returns the messages of a frame, which is corrected as it says. Throws as calibration_of().
     std::vector<RosMessageBytes> messages_of(const capture::RawFrame& frame);
 
     /// Whether the source's images are rectified already.
@@ -34,14 +39,14 @@ public:
 private:
     using Infos = std::array<ros::CameraInfoFields, 2>;
 
-    void describe(const calibration::CalibrationCorrection& correction);
+    void describe(const calibration::StereoCalibration& used);
 
     std::optional<calibration::StereoCalibration> calibration_;  ///< where it gives distances
     bool rectified_ = false;
     std::string frame_;
     std::array<std::string, 2> images_, infos_;  ///< topics: left, right
     calibration::CalibrationCorrection correction_;
-    std::optional<Infos> fields_;  ///< of correction_
+    std::optional<Infos> fields_;  ///< of correction_; none where no distances are known
 };
 
 }  // namespace disparityd::tools

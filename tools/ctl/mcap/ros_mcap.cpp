@@ -28,8 +28,21 @@ void RosMcap::write(const RosMessageBytes& message) {
     Channel& channel = channel_of(message);
     const auto time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(0, message.realtime_ns));  // from 1970 on
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(message.bytes.data());
-    file_.write({channel.id, channel.messages, time_ns, time_ns, {bytes, message.bytes.size()}});
-    ++channel.messages;
+    file_.write({channel.id, channel.next, time_ns, time_ns, {bytes, message.bytes.size()}});
+    ++channel.next;
+    ++given_;
+}
+
+void RosMcap::end_frame() {
+    frame_ends_.push_back(given_);
+    for (; !frame_ends_.empty() && frame_ends_.front() <= file_.messages(); frame_ends_.pop_front()) {
+        ++whole_frames_;
+    }
+}
+
+std::uint64_t RosMcap::frames() const {
+    const auto behind = std::upper_bound(frame_ends_.begin(), frame_ends_.end(), file_.messages());
+    return whole_frames_ + static_cast<std::uint64_t>(behind - frame_ends_.begin());
 }
 
 void RosMcap::write(const disparity::Frame& frame, const std::vector<McapTopic>& topics,
@@ -52,8 +65,11 @@ void RosMcap::write(const disparity::SensorSample& sample, const std::vector<Mca
 
 std::map<std::string, std::uint64_t> RosMcap::messages_of_topics() const {
     std::map<std::string, std::uint64_t> counts;
+    const auto& written = file_.messages_of_channels();
     for (const auto& [topic, channel] : channels_) {
-        counts[topic] = channel.messages;
+        if (const auto found = written.find(channel.id); found != written.end()) {
+            counts[topic] = found->second;
+        }
     }
     return counts;
 }

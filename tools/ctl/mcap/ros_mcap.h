@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
 #include <string_view>
@@ -35,8 +36,13 @@ public:
     void write(const disparity::SensorSample& sample, const std::vector<McapTopic>& topics,
                const ros::FrameNames& names);
 
+    /// Counts what was written since the last call as a frame.
+    void end_frame();
+
     void finish() { file_.finish(); }
 
+    // What the file has, also after one of the above has thrown: what is not in it does not count.
+    std::uint64_t frames() const;
     std::uint64_t messages() const { return file_.messages(); }
     std::uint64_t bytes() const { return file_.bytes(); }
     std::map<std::string, std::uint64_t> messages_of_topics() const;
@@ -44,7 +50,7 @@ public:
 private:
     struct Channel {
         std::uint16_t id = 0;
-        std::uint32_t messages = 0;
+        std::uint32_t next = 0;  ///< sequence number
     };
 
     Channel& channel_of(const RosMessageBytes& message);
@@ -53,6 +59,9 @@ private:
     std::map<std::string_view, std::uint16_t>
         schemas_;  ///< by the name of the type, which lives as long as the program
     std::map<std::string, Channel, std::less<>> channels_;
+    std::uint64_t given_ = 0;               ///< messages, to the file
+    std::uint64_t whole_frames_ = 0;        ///< those that were in the file when the last one ended
+    std::deque<std::uint64_t> frame_ends_;  ///< of the frames behind them: given_ at the end of each
 };
 
 }  // namespace disparityd::tools

@@ -120,7 +120,7 @@ public:
     void write(const disparity::Frame& frame) {
         begin(frame.realtime_ns);
         file_->write(frame, choice_.topics, encoding_);
-        ++frames_;
+        file_->end_frame();
     }
 
     void write(const disparity::SensorSample& sample) {
@@ -134,7 +134,6 @@ public:
         }
     }
 
-    std::uint64_t frames() const { return frames_; }
     const std::optional<RosMcap>& file() const { return file_; }
 
 private:
@@ -155,7 +154,6 @@ private:
     ros::Encoding encoding_;
     std::vector<ros::Transform> transforms_;
     std::optional<RosMcap> file_;
-    std::uint64_t frames_ = 0;
 };
 
 /// Reads frames and samples, and hands them to the queue. One thread.
@@ -287,7 +285,6 @@ int record_mcap(const McapRecordArguments& arguments) {
         queue.finish();
         file.finish();
     });
-    report.frames = file.frames();
     report.dropped = reading.dropped();
     report.dropped_samples = reading.dropped_samples();
     report.take(file.file());
