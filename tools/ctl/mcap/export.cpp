@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <exception>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -24,6 +23,7 @@
 #include "tools/ctl/mcap/mcap_report.h"
 #include "tools/ctl/output_file.h"
 #include "tools/ctl/processing/frame_chain.h"
+#include "tools/ctl/processing/input_files.h"
 #include "tools/ctl/processing/matching_options.h"
 #include "tools/ctl/processing/part_source.h"
 #include "tools/ctl/source_arguments.h"
@@ -39,7 +39,8 @@ struct ExportArguments {
     std::string file;
     std::string contents;  ///< empty: the usual ones
     std::string camera = "stereo";
-    bool scan_is_set = false;  ///< --scan-set is given
+    bool scan_is_set = false;              ///< --scan-set is given
+    std::vector<std::string> of_matching;  ///< options that are given and only matching uses
 };
 
 bool needs_matching(const McapParts& parts) {
@@ -78,13 +79,15 @@ void check_arguments(const ExportArguments& arguments) {
             "--contents: found raw and rectified with --size or --region, allowed: one of both, as the camera_info of "
             "an eye describes one size");
     }
+    if (!needs_matching(parts) && !arguments.of_matching.empty()) {
+        throw std::invalid_argument(arguments.of_matching.front() +
+                                    ": is given with --contents that are written without matching, allowed: without "
+                                    "it, or with what is matched, such as disparity");
+    }
     if (arguments.scan_is_set && !parts.contains(McapPart::scan)) {
         throw std::invalid_argument("--scan-set: is given without --contents scan, which it is for");
     }
-    std::error_code not_there;
-    if (std::filesystem::equivalent(arguments.file, arguments.process.source, not_there)) {
-        throw std::invalid_argument(arguments.file + ": is the source itself, allowed: another file");
-    }
+    refuse_file_of_source(arguments.file, arguments.process.source);
     check_output(arguments.file, arguments.process.force);
 }
 
@@ -209,6 +212,20 @@ int export_source(const ExportArguments& arguments) {
     return report.tell(arguments.process.json);
 }
 
+/// Adds the options of matching. Returns those that nothing but matching uses.
+std::vector<CLI::Option*> add_options_of_matching(CLI::App& command, ProcessArguments& process) {
+    const std::vector<CLI::Option*> before = command.get_options();
+    add_matching_options(command, process);
+    std::vector<CLI::Option*> added = command.get_options();
+    const auto is_for_all = [&](CLI::Option* option) {
+        const std::string name = option->get_name();
+        return std::find(before.begin(), before.end(), option) != before.end() || name == "--calibration" ||
+               name == "--frames" || name == "--time-offset-us" || name == "--no-self-calibration";
+    };
+    added.erase(std::remove_if(added.begin(), added.end(), is_for_all), added.end());
+    return added;
+}
+
 }  // namespace
 
 void add_export(CLI::App& program, Action& action) {
@@ -231,7 +248,7 @@ void add_export(CLI::App& program, Action& action) {
         .add_option("--camera-name", arguments->camera, "topics are below /NAME, frames of reference begin with NAME_")
         ->type_name("NAME")
         ->capture_default_str();
-    add_matching_options(command, process);
+    const std::vector<CLI::Option*> of_matching = add_options_of_matching(command, process);
     CLI::Option* const scan_set = process.scan_options.add_to(command);
     command.add_flag("--keep-going", process.keep_going, "leave damaged images of a folder out");
     command.add_flag("--force", process.force, "replace FILE when it exists");
@@ -239,16 +256,20 @@ void add_export(CLI::App& program, Action& action) {
     command.footer(
         "FILE grows under its own name: whatever ends the program or the computer, all but the last second or so can\n"
         "be read. Stamps, and the times of messages in the file, are those of the source; the same source and options\n"
-        "give the same bytes. raw, imu, sensors and tf alone are written without matching. Topics and frames of\n"
-        "reference are those of disparity-ros2; raw images are left/image_raw and right/image_raw, or image_rect "
-        "where\n"
-        "the source is rectified. Exit status as that of process.\n"
+        "give the same bytes. raw, imu, sensors and tf alone are written without matching, whose options are refused\n"
+        "then. Topics and frames of reference are those of disparity-ros2; raw images are left/image_raw and\n"
+        "right/image_raw, or image_rect where the source is rectified. Exit status as that of process.\n"
         "Examples: disparityctl export walk.mkv --mcap walk.mcap\n"
         "          disparityctl export walk.mkv --mcap walk.mcap --contents raw,imu,tf\n"
         "          disparityctl export walk.mkv --mcap walk.mcap --contents rectified,depth,points,scan,tf "
         "--scan-set camera_height_m=0.4");
-    command.callback([arguments, scan_set, &action] {
+    command.callback([arguments, scan_set, of_matching, &action] {
         arguments->scan_is_set = scan_set->count() > 0;
+        for (const CLI::Option* option : of_matching) {
+            if (option->count() > 0) {
+                arguments->of_matching.push_back(option->get_name());
+            }
+        }
         action = [arguments] { return export_source(*arguments); };
     });
 }

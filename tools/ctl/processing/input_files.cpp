@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/processing/input_files.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <system_error>
 
 #include <sys/stat.h>
@@ -103,6 +105,18 @@ Json content_of_input(const std::string& uri, const std::function<bool()>& stop)
         lines += digest + '\n';
     }
     return sha256(lines);
+}
+
+void refuse_file_of_source(const std::string& file, const std::string& uri) {
+    std::error_code not_there;
+    if (!fs::exists(file, not_there) || !is_kept(uri)) {
+        return;
+    }
+    const Listing listing = listing_of(uri);
+    if (std::any_of(listing.paths.begin(), listing.paths.end(),
+                    [&](const std::string& path) { return fs::equivalent(file, path, not_there); })) {
+        throw std::invalid_argument(file + ": is the source itself or a part of it, allowed: another file");
+    }
 }
 
 }  // namespace disparityd::tools

@@ -18,4 +18,8 @@ Json facts_of_input(const std::string& uri);
 /// asked meanwhile, and what it ends is null. Throws std::invalid_argument when a file cannot be read.
 Json content_of_input(const std::string& uri, const std::function<bool()>& stop);
 
+/// Throws std::invalid_argument with one line when a file is among those of a source, by this name or another one: it
+/// would be emptied while it is read. Throws as facts_of_input().
+void refuse_file_of_source(const std::string& file, const std::string& uri);
+
 }  // namespace disparityd::tools

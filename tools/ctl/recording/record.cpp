@@ -34,6 +34,7 @@
 #include "tools/ctl/daemon.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/output_file.h"
+#include "tools/ctl/processing/input_files.h"
 #include "tools/ctl/recording/record_mcap.h"
 #include "tools/ctl/source_arguments.h"
 
@@ -343,10 +344,7 @@ int record_frames(const RecordArguments& arguments, capture::FrameSource& source
 }
 
 int record_source(const RecordArguments& arguments) {
-    std::error_code not_there;
-    if (std::filesystem::equivalent(arguments.file, arguments.source, not_there)) {
-        throw std::invalid_argument(arguments.file + ": is the source itself, allowed: another file");
-    }
+    refuse_file_of_source(arguments.file, arguments.source);
     check_output(arguments.file, arguments.force);
     capture::SourceOptions options;
     options.uri = arguments.source;
