@@ -113,7 +113,7 @@ TEST_F(DaemonTest, RecordsWhatItIsSentAsMessages) {
     EXPECT_TRUE(read_file(path("b.mcap")).ends_with("\x89MCAP0\r\n"));
 
     EXPECT_THAT(ctl("record", {"--mcap", path("c.mcap"), "--contents", "raw"}).err,
-                HasSubstr("--contents raw: a daemon does not send the pair as captured"));
+                HasSubstr("--contents raw: is not recorded from a daemon yet"));
     EXPECT_THAT(ctl("record", {"--mcap", path("c.mcap"), "--contents", "scan"}).err,
                 HasSubstr("--contents scan: the daemon does not serve the product scan: set scan.enabled = true"));
     EXPECT_FALSE(std::filesystem::exists(path("c.mcap")));

@@ -79,10 +79,23 @@ McapParts parts_of(const McapRecordArguments& arguments) {
     McapParts parts = parse_mcap_parts(arguments.contents.empty() ? usual_recorded_parts : arguments.contents);
     if (parts.contains(McapPart::raw)) {
         throw std::invalid_argument(
-            "--contents raw: a daemon does not send the pair as captured; record it as OUT.mkv, then disparityctl "
-            "export OUT.mkv --mcap FILE");
+            "--contents raw: is not recorded from a daemon yet; record the pair as OUT.mkv, then disparityctl export "
+            "OUT.mkv --mcap FILE");
     }
     return parts;
+}
+
+/// Refuses a limit that would never be reached.
+void check_limit(const McapRecordArguments& arguments, bool with_frames) {
+    if (arguments.frames && !with_frames) {
+        throw std::invalid_argument("--frames: found with --contents of which no frame comes, allowed: --seconds");
+    }
+}
+
+bool may_need_frames(const McapParts& parts) {
+    return std::any_of(parts.begin(), parts.end(), [](McapPart part) {
+        return part != McapPart::imu && part != McapPart::sensors && part != McapPart::tf;
+    });
 }
 
 /// A daemon's answer to what it is, at the begin.
@@ -181,16 +194,16 @@ public:
         const auto start = steady_clock::now();
         while (!interrupted() && !reached(start)) {
             queue_.check();
-            const bool come = read_frame();
-            read_samples(come || frames_ ? milliseconds(0) : patience);
-            if (come) {
+            const bool frame = read_frame();
+            const bool samples = read_samples(frames_ ? milliseconds(0) : patience);
+            if (frames_ ? frame : samples) {
                 last_ = steady_clock::now();
-            } else if (frames_ && steady_clock::now() >= last_ + silence) {
+            } else if (steady_clock::now() >= last_ + silence) {
                 last_ = steady_clock::now();
                 if (source_has_ended(arguments_.daemon)) {
                     return;
                 }
-                print_note("no frame: " + why_no_frame(arguments_.daemon));
+                print_note((frames_ ? "no frame: " : "no sample: ") + why_no_frame(arguments_.daemon));
             }
             bar.show(queue_.kept(), std::to_string(dropped()) + " dropped");
         }
@@ -227,9 +240,10 @@ private:
         return true;
     }
 
-    /// Reads what has come, and waits for the first so long.
-    void read_samples(milliseconds wait) {
+    /// Reads what has come, and waits for the first so long. Returns whether there was something.
+    bool read_samples(milliseconds wait) {
         disparity::SensorBatch batch;
+        bool any = false;
         for (ReadResult result = ReadResult::frame; sensors_ && result == ReadResult::frame; wait = milliseconds(0)) {
             result = sensors_->socket().read_sensors(batch, wait);
             if (result == ReadResult::gone) {
@@ -238,8 +252,10 @@ private:
             if (result == ReadResult::frame) {
                 skipped_samples_ += batch.skipped;
                 queue_.push(batch.samples);
+                any = true;
             }
         }
+        return any;
     }
 
     const McapRecordArguments& arguments_;
@@ -256,6 +272,7 @@ private:
 int record_mcap(const McapRecordArguments& arguments) {
     const McapParts parts = parts_of(arguments);
     check_camera_name(arguments.camera);
+    check_limit(arguments, may_need_frames(parts));
     check_output(arguments.file, arguments.force);
     disparity::Client asking = connect(arguments.daemon);
     catch_interrupts();
@@ -265,6 +282,7 @@ int record_mcap(const McapRecordArguments& arguments) {
     }
     Choice choice = choose(arguments, parts, ros::offer_of(daemon.status));
     const ros::Wanted wanted = choice.wanted;
+    check_limit(arguments, !wanted.products.empty());
     RecordedFile file(arguments, std::move(choice), daemon, parts.contains(McapPart::tf));
     McapReport report{.file = arguments.file, .interruption_is_usual = true};
     McapQueue queue({.frame = [&file](const disparity::Frame& frame) { file.write(frame); },
