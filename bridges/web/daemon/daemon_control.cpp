@@ -7,6 +7,7 @@
 
 #include <boost/asio/post.hpp>
 
+#include "base/start_thread.h"
 #include "clients/json/message_json.h"
 #include "proto/disparity.pb.h"
 
@@ -28,8 +29,27 @@ std::string json_of(const std::string& bytes) {
 
 }  // namespace
 
+DaemonControl::DaemonControl(DaemonAddress daemon) : daemon_(std::move(daemon)) {
+    constexpr int requests_at_once = 2;
+    try {
+        for (int i = 0; i < requests_at_once; ++i) {
+            threads_.push_back(base::start_thread([this] { requests_.run(); }));
+        }
+    } catch (...) {
+        end();
+        throw;
+    }
+}
+
+void DaemonControl::end() {
+    requests_.stop();
+    for (std::thread& thread : threads_) {
+        thread.join();
+    }
+}
+
 void DaemonControl::ask(Request request, Answer answer) {
-    boost::asio::post(threads_, [this, request = std::move(request), answer = std::move(answer)] {
+    boost::asio::post(requests_, [this, request = std::move(request), answer = std::move(answer)] {
         ControlAnswer result;
         try {
             disparity::Client client = daemon_.connect("control", no_frames());

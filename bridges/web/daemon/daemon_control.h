@@ -3,10 +3,12 @@
 
 #include <functional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
-#include <boost/asio/thread_pool.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
 
 #include "bridges/web/daemon/daemon_link.h"
 
@@ -24,12 +26,12 @@ class DaemonControl {
 public:
     using Answer = std::function<void(ControlAnswer)>;
 
-    explicit DaemonControl(DaemonAddress daemon) : daemon_(std::move(daemon)), threads_(2) {}
+    /// Throws as base::start_thread().
+    explicit DaemonControl(DaemonAddress daemon);
     /// Waits for the requests under way; those that wait for a thread are dropped.
-    ~DaemonControl() {
-        threads_.stop();
-        threads_.join();
-    }
+    ~DaemonControl() { end(); }
+    DaemonControl(const DaemonControl&) = delete;
+    DaemonControl& operator=(const DaemonControl&) = delete;
 
     /// Sets controls of the camera, in this order (none: only asks).
     void set_controls(const std::vector<std::pair<std::string, std::int64_t>>& settings, Answer answer);
@@ -39,9 +41,13 @@ public:
 private:
     using Request = std::function<std::string(disparity::SocketClient&)>;
     void ask(Request request, Answer answer);
+    void end();
 
     DaemonAddress daemon_;
-    boost::asio::thread_pool threads_;
+    // Not a thread_pool: where the system refuses its second thread, that waits for the first one for ever.
+    boost::asio::io_context requests_;
+    boost::asio::executor_work_guard<boost::asio::io_context::executor_type> open_{requests_.get_executor()};
+    std::vector<std::thread> threads_;
 };
 
 }  // namespace disparityd::web
