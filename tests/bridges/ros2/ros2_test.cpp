@@ -278,9 +278,11 @@ TEST_F(Ros2Test, StaticTransformsAreThereForThoseThatComeLater) {
         })) << bridge->log();
         const std::string& bytes = messages.back().bytes;
         formats::CdrReader cdr({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-        EXPECT_EQ(cdr.get<std::uint32_t>(), 4U) << "base_link to the camera and the ground, the camera to both eyes";
+        EXPECT_EQ(cdr.get<std::uint32_t>(), 5U)
+            << "base_link to the camera and the ground, the camera to both eyes, the left one to itself unrectified";
         EXPECT_THAT(bytes, HasSubstr("base_link"));
         EXPECT_THAT(bytes, HasSubstr("stereo_right_optical_frame"));
+        EXPECT_THAT(bytes, HasSubstr("stereo_left_raw_optical_frame"));
     }
 }
 
