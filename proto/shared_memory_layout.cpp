@@ -83,9 +83,13 @@ bool inside(const ShmView& view, std::uint64_t header_bytes) {
 
 }  // namespace
 
+bool is_daemon_name(const std::string& name) {
+    constexpr const char* allowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+    return !name.empty() && name.size() <= 64 && name.find_first_not_of(allowed) == std::string::npos;
+}
+
 std::string shm_object_name(const std::string& name) {
-    const std::string allowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
-    if (name.empty() || name.size() > 64 || name.find_first_not_of(allowed) != std::string::npos) {
+    if (!is_daemon_name(name)) {
         throw std::invalid_argument("shared memory name \"" + name +
                                     "\": 1 to 64 characters are allowed, of A-Z a-z 0-9 . _ -");
     }

@@ -40,8 +40,10 @@ inline PlaneShape shape_of(const ShmView& view, const ShmPlane& plane) {
                             : PlaneShape{view.width, view.height, plane.bytes_per_pixel};
 }
 
-/// Returns the POSIX name "/disparityd.<name>". Throws std::invalid_argument for a name that is empty, longer than 64
-/// characters or has characters other than A-Z a-z 0-9 . _ -
+/// Whether a daemon can have this name: 1 to 64 characters of A-Z a-z 0-9 . _ -
+bool is_daemon_name(const std::string& name);
+
+/// Returns the POSIX name "/disparityd.<name>". Throws std::invalid_argument for a name that no daemon can have.
 std::string shm_object_name(const std::string& name);
 
 /// Copies the constant fields into `view` and checks them. `object_bytes` is the true size of the object, all of it

@@ -3,7 +3,6 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <stdexcept>
 
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -69,15 +68,6 @@ bool nobody_listens(const std::string& path) {
         ::close(fd);
     }
     return nobody;
-}
-
-bool is_daemon_name(const std::string& name) {
-    try {
-        shm_object_name(name);
-        return true;
-    } catch (const std::invalid_argument&) {
-        return false;
-    }
 }
 
 }  // namespace disparityd::proto

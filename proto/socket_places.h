@@ -28,7 +28,4 @@ bool is_trusted_socket(const std::string& path, bool of_the_system);
 /// where it may not connect, somebody is there.
 bool nobody_listens(const std::string& path);
 
-/// Whether a daemon can have this name: 1 to 64 characters of A-Z a-z 0-9 . _ -
-bool is_daemon_name(const std::string& name);
-
 }  // namespace disparityd::proto

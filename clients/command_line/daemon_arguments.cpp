@@ -73,9 +73,7 @@ std::string DaemonArguments::command(const std::string& words) const {
 
 std::string DaemonArguments::where() const {
     reach.check(socket);
-    try {
-        proto::shm_object_name(name);
-    } catch (const std::invalid_argument&) {
+    if (!proto::is_daemon_name(name)) {
         throw std::invalid_argument("--name: found '" + name + "', allowed: 1 to 64 characters of A-Z a-z 0-9 . _ -");
     }
     const std::string kind = socket.substr(0, socket.find(':') + 1);

@@ -2,7 +2,6 @@
 #include "bridges/web/daemon/daemon_watch.h"
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/start_thread.h"
+#include "proto/shared_memory_layout.h"
 #include "proto/socket_places.h"
 
 namespace disparityd::web {

@@ -11,6 +11,7 @@
 #include "bridges/web/foxglove/status_schema.h"
 #include "bridges/web/metrics/prometheus_text.h"
 #include "clients/json/message_json.h"
+#include "proto/shared_memory_layout.h"
 #include "proto/socket_places.h"
 
 namespace disparityd::web {
