@@ -4,12 +4,14 @@
 #include <atomic>
 #include <bit>
 #include <stdexcept>
+#include <string_view>
 
 namespace disparityd::proto {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the layout is little endian");
 
+constexpr std::string_view before_name = "/disparityd.";
 constexpr std::uint64_t alignment = 64;
 constexpr std::uint32_t max_side = 16384;
 constexpr std::uint32_t max_slots = 64;
@@ -93,7 +95,13 @@ std::string shm_object_name(const std::string& name) {
         throw std::invalid_argument("shared memory name \"" + name +
                                     "\": 1 to 64 characters are allowed, of A-Z a-z 0-9 . _ -");
     }
-    return "/disparityd." + name;
+    return std::string(before_name) + name;
+}
+
+std::optional<std::string> daemon_of_shm_file(const std::string& file) {
+    constexpr std::string_view start = before_name.substr(1);
+    const std::string name = file.starts_with(start) ? file.substr(start.size()) : std::string();
+    return is_daemon_name(name) ? std::optional(name) : std::nullopt;
 }
 
 std::string check_header(const ShmHeader& header, std::uint64_t object_bytes, ShmView& view) {

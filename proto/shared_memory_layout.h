@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "proto/shared_memory.h"
@@ -45,6 +46,9 @@ bool is_daemon_name(const std::string& name);
 
 /// Returns the POSIX name "/disparityd.<name>". Throws std::invalid_argument for a name that no daemon can have.
 std::string shm_object_name(const std::string& name);
+
+/// Returns the name of the daemon whose object is this file of /dev/shm; nothing when it is another file.
+std::optional<std::string> daemon_of_shm_file(const std::string& file);
 
 /// Copies the constant fields into `view` and checks them. `object_bytes` is the true size of the object, all of it
 /// mapped. Returns an empty string when the header can be used, otherwise what is wrong, without the object's name.

@@ -67,12 +67,9 @@ std::set<std::string> running_daemons(const ClientOptions& options) {
         for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
              entry.increment(error)) {
             const std::string file = entry->path().filename().string();
-            const std::string object = proto::shm_object_name("x");  // "/disparityd.x"
-            const std::size_t start = object.size() - 2;
             if (folder == shared_memory_folder) {
-                const std::string name = file.compare(0, start, object, 1, start) == 0 ? file.substr(start) : "";
-                if (proto::is_daemon_name(name) && has_memory(name, options)) {
-                    names.insert(name);
+                if (const auto name = proto::daemon_of_shm_file(file); name && has_memory(*name, options)) {
+                    names.insert(*name);
                 }
             } else if (const auto name = proto::daemon_of_socket_file(file, folder);
                        name && entry->symlink_status(error).type() == std::filesystem::file_type::socket &&

@@ -58,10 +58,9 @@ std::string list_of(const std::vector<std::string>& words) {
 /// Returns the names of daemons that have, or had, shared memory on this machine.
 std::vector<std::string> names_in_shared_memory() {
     std::vector<std::string> names;
-    const std::string start = "disparityd.";
     for_each_file(shared_memory, [&](const std::string& file) {
-        if (file.compare(0, start.size(), start) == 0 && proto::is_daemon_name(file.substr(start.size()))) {
-            names.push_back(file.substr(start.size()));
+        if (const std::optional<std::string> name = proto::daemon_of_shm_file(file)) {
+            names.push_back(*name);
         }
     });
     return names;
