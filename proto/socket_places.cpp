@@ -16,6 +16,23 @@ namespace {
 
 constexpr const char* temporary = "/tmp";
 
+/// Connects, says nothing and waits for nothing. Returns the errno of the refusal; 0: there is none.
+int error_of_connecting(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    if (path.size() >= sizeof address.sun_path) {
+        return ENOENT;  // nobody can have a socket there
+    }
+    path.copy(address.sun_path, path.size());
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const bool connected = fd >= 0 && ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    const int error = connected ? 0 : errno;
+    if (fd >= 0) {
+        ::close(fd);
+    }
+    return error;
+}
+
 }  // namespace
 
 std::vector<std::string> socket_folders() {
@@ -54,20 +71,15 @@ bool is_trusted_socket(const std::string& path, bool of_the_system) {
            (of_the_system || status.st_uid == getuid() || status.st_uid == 0);
 }
 
+bool somebody_listens(const std::string& path) {
+    const int error = error_of_connecting(path);
+    // Of a daemon with too many that wait it is said to try again later.
+    return error == 0 || error == EAGAIN;
+}
+
 bool nobody_listens(const std::string& path) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    if (path.size() >= sizeof address.sun_path) {
-        return true;
-    }
-    path.copy(address.sun_path, path.size());
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const bool nobody = fd >= 0 && ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
-                        (errno == ECONNREFUSED || errno == ENOENT);
-    if (fd >= 0) {
-        ::close(fd);
-    }
-    return nobody;
+    const int error = error_of_connecting(path);
+    return error == ECONNREFUSED || error == ENOENT;
 }
 
 }  // namespace disparityd::proto

@@ -24,6 +24,10 @@ std::optional<std::string> daemon_of_socket_file(const std::string& file, const 
 /// the first of those above. A link is none.
 bool is_trusted_socket(const std::string& path, bool of_the_system);
 
+/// Whether somebody takes connections of this user at a Unix socket, at once or after others. It connects and says
+/// nothing.
+bool somebody_listens(const std::string& path);
+
 /// Whether nobody listens at a Unix socket, or there is none: its daemon was killed. It connects and says nothing;
 /// where it may not connect, somebody is there.
 bool nobody_listens(const std::string& path);

@@ -2,16 +2,13 @@
 #include "clients/cpp/local_daemons.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include "proto/shared_memory_layout.h"
@@ -29,23 +26,6 @@ constexpr const char* default_tcp = "tcp:127.0.0.1:9876";
 
 /// A daemon whose heartbeat is older has died.
 constexpr std::chrono::seconds oldest_heartbeat{3};
-
-bool somebody_listens(const std::string& path) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    if (path.size() >= sizeof address.sun_path) {
-        return false;
-    }
-    path.copy(address.sun_path, path.size());
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    // Of a daemon with too many that wait it is said to try again later.
-    const bool listens =
-        fd >= 0 && (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 || errno == EAGAIN);
-    if (fd >= 0) {
-        ::close(fd);
-    }
-    return listens;
-}
 
 bool has_memory(const std::string& name, const ClientOptions& options) {
     try {
@@ -73,7 +53,7 @@ std::set<std::string> running_daemons(const ClientOptions& options) {
                 }
             } else if (const auto name = proto::daemon_of_socket_file(file, folder);
                        name && entry->symlink_status(error).type() == std::filesystem::file_type::socket &&
-                       somebody_listens(entry->path().string())) {
+                       proto::somebody_listens(entry->path().string())) {
                 names.insert(*name);
             }
             error.clear();
