@@ -13,6 +13,7 @@ import { Legend } from './legend.js'
 import { SECOND_IMAGES as SECOND, madeOf, wordsOf } from './images.js'
 import { Live } from './live.js'
 import { Log } from './log.js'
+import { NO_FRAME_MS } from './pane.js'
 import { Picture, Pointer } from './pictures.js'
 import { NAME } from './place.js'
 import { Radar } from './radar.js'
@@ -29,7 +30,6 @@ const CLOUD_STEP = 4
 // The widths that disparity-web makes of pictures, besides the whole one.
 const SHARED_WIDTHS = [16, 40, 80, 160, 320, 480, 640, 960, 1280, 1920, 2560, 3840]
 const TICK_MS = 500
-const NO_FRAME_MS = 2000
 const POINT_MS = 40 // at most this often a new pixel is asked for
 const NO_SCAN = 'This daemon makes no obstacle scans: set [scan] enabled = true.'
 const SECOND_IMAGES = SECOND.map(image => image.name)

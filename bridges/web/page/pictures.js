@@ -3,42 +3,27 @@
 // The two pictures and the pixel that is pointed at. Mouse: the pixel under the pointer; a click holds it. Touch: the pixel that is
 // tapped. Keyboard: arrows move it by 1 px, with Shift by 10, Escape lets it go. Pixels are those of the whole rectified image.
 
-/** One picture: a canvas, its caption, a cross, and a line for when there is nothing to show. */
-export class Picture {
+import { Pane } from './pane.js'
+
+/** One picture: an image, its caption, and a cross. */
+export class Picture extends Pane {
   constructor(figure) {
-    this.figure = figure
-    this.canvas = figure.querySelector('canvas')
+    super(figure)
     this.caption = figure.querySelector('figcaption')
     this.across = figure.querySelector('.across')
     this.down = figure.querySelector('.down')
-    this.empty = figure.querySelector('.no-picture')
-    this.context = this.canvas.getContext('2d')
   }
 
-  /** Draws a decoded image. `whole` is the frame's header: the size in which pixels are counted. */
   draw(image, whole, caption) {
-    if (this.canvas.width !== image.bitmap.width || this.canvas.height !== image.bitmap.height) {
-      this.canvas.width = image.bitmap.width
-      this.canvas.height = image.bitmap.height
-    }
-    this.figure.style.aspectRatio = `${whole.width} / ${whole.height}`
+    super.draw(image, whole)
     this.figure.style.setProperty('--ratio', whole.width / whole.height)
-    this.context.drawImage(image.bitmap, 0, 0)
-    this.canvas.dataset.publishIndex = whole.publish_index
     this.figure.classList.add('has-picture')
     this.setCaption(caption)
-    this.say('')
   }
 
   setCaption(text) {
     if (this.caption.textContent !== text) this.caption.textContent = text
     this.figure.setAttribute('aria-label', `${text}. Arrow keys move the pixel whose values are shown.`)
-  }
-
-  /** Says in the picture why nothing new comes; '' = it does. What was drawn last stays, darker. */
-  say(text) {
-    if (this.empty.textContent !== text) this.empty.textContent = text
-    this.figure.classList.toggle('stale', text !== '')
   }
 
   cross(place, size) {

@@ -4,10 +4,10 @@
 
 import { Connection } from './connection.js'
 import { decode, headerOf } from './frame.js'
+import { NO_FRAME_MS, Pane } from './pane.js'
 import { problemOf } from './status.js'
 import { fixed, make, write } from './text.js'
 
-const NO_FRAME_MS = 2000
 const MOST_RATE = 5 // frames per second: enough to see that it lives
 const WIDTHS = [320, 480, 640] // of those that disparity-web makes
 
@@ -26,9 +26,9 @@ export class Tile {
   #last = Promise.resolve()
 
   constructor({ name, path }) {
-    this.canvas = make('canvas', { width: 672, height: 376 })
-    this.empty = make('p', { className: 'no-picture', textContent: 'no picture yet' })
-    this.picture = make('div', { className: 'picture' }, this.canvas, this.empty)
+    this.picture = make('div', { className: 'picture' }, make('canvas', { width: 672, height: 376 }),
+      make('p', { className: 'no-picture', textContent: 'no picture yet' }))
+    this.pane = new Pane(this.picture)
     this.state = make('span', { className: 'pill' })
     this.synthetic = make('span', { className: 'tag', textContent: 'synthetic', title: 'A computer drew these frames. No camera saw them.', hidden: true })
     this.recording = make('span', { className: 'recording', textContent: 'recording', hidden: true })
@@ -41,7 +41,7 @@ export class Tile {
     this.#connection = new Connection({
       state: ({ link, why }) => {
         this.#lost = link === 'lost'
-        if (this.#lost) this.#say(why)
+        if (this.#lost) this.pane.say(why)
         else this.#askedAt = performance.now()
       },
       hello: ({ products }) => {
@@ -66,7 +66,7 @@ export class Tile {
     this.recording.hidden = !entry.recording
     write(this.facts, gone || !entry.state ? '' : `${fixed(entry.rate, 1)} /s, ${entry.source}`)
     write(this.why, problem ? gone ? problem.text : `${problem.title}: ${problem.text}` : '')
-    if (gone) this.#say('no picture')
+    if (gone) this.pane.say('no picture')
     else if (!this.#lost) this.#saySilence(problem?.title ?? (entry.state === 'idle' ? 'idle' : ''))
   }
 
@@ -109,20 +109,13 @@ export class Tile {
     try {
       index = headerOf(buffer).publish_index
       const { header, images } = await decode(buffer)
-      for (const { bitmap } of Object.values(images)) {
-        if (this.canvas.width !== bitmap.width || this.canvas.height !== bitmap.height) {
-          this.canvas.width = bitmap.width
-          this.canvas.height = bitmap.height
-        }
-        this.canvas.getContext('2d').drawImage(bitmap, 0, 0)
-        bitmap.close()
+      for (const image of Object.values(images)) {
+        this.pane.draw(image, header)
+        image.bitmap.close()
       }
-      this.picture.style.aspectRatio = `${header.width} / ${header.height}`
-      this.canvas.dataset.publishIndex = index
       this.#drawnAt = performance.now()
-      this.#say('')
     } catch (error) {
-      this.#say(`a frame could not be drawn: ${error.message}`)
+      this.pane.say(`a frame could not be drawn: ${error.message}`)
     }
     if (index !== null) this.#connection.seen(index)
   }
@@ -131,13 +124,7 @@ export class Tile {
   #saySilence(why) {
     const silent = performance.now() - Math.max(this.#drawnAt, this.#askedAt)
     if (silent < NO_FRAME_MS) return
-    if (why) this.#say(why)
-    else if (this.#asks) this.#say(`no frame for ${fixed(silent / 1000, 0)} s`)
-  }
-
-  /** Says in the picture why nothing new comes; '' = it does. */
-  #say(text) {
-    write(this.empty, text)
-    this.picture.classList.toggle('stale', text !== '')
+    if (why) this.pane.say(why)
+    else if (this.#asks) this.pane.say(`no frame for ${fixed(silent / 1000, 0)} s`)
   }
 }
