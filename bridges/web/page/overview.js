@@ -3,7 +3,7 @@
 // The page of disparity-web --all: each daemon of the machine as a tile with its state and a small live picture, which leads to its page.
 
 import { ask, post } from './connection.js'
-import { titleOf } from './place.js'
+import { showState } from './status.js'
 import { write } from './text.js'
 import { Tile } from './tile.js'
 import { tokenDialog } from './token.js'
@@ -48,24 +48,13 @@ function showTiles(entries) {
   })
 }
 
-function showSummary(tone, text, problem) {
-  write(by('summary'), text)
-  by('summary').dataset.tone = tone
-  by('banner').hidden = !problem
-  document.title = titleOf(problem?.title)
-  if (!problem) return
-  by('banner').dataset.tone = 'bad'
-  write(by('banner-title'), problem.title)
-  write(by('banner-text'), problem.text)
-}
-
 function show({ instances, note }) {
   showTiles(instances)
   by('note').hidden = note === ''
   write(by('note'), note)
   const well = [...tiles.values()].filter(tile => tile.well).length
-  showSummary(well === instances.length && well > 0 ? 'good' : instances.length ? 'warn' : 'quiet',
-    instances.length ? `${well} of ${instances.length} running` : 'no daemon', null)
+  showState(instances.length ? `${well} of ${instances.length} running` : 'no daemon',
+    well === instances.length && well > 0 ? 'good' : instances.length ? 'warn' : 'quiet', null, by('summary'))
 }
 
 /** Asks for the list once, and says what keeps it away. */
@@ -76,8 +65,8 @@ async function follow() {
   } catch (error) {
     tokenNeeded = error.status === 401
     if (tokenNeeded) tokens.ask()
-    showSummary('quiet', tokenNeeded ? 'token needed' : 'no connection',
-      tokenNeeded ? null : { title: 'disparity-web is gone', text: `${error.message}. Trying again.` })
+    showState(tokenNeeded ? 'token needed' : 'no connection', 'quiet',
+      tokenNeeded ? null : { tone: 'bad', title: 'disparity-web is gone', text: `${error.message}. Trying again.` }, by('summary'))
   }
   document.body.classList.toggle('away', by('summary').textContent === 'no connection')
   by('token-open').hidden = !tokenNeeded

@@ -7,10 +7,10 @@ import { NONE, bytes, counted, fixed, make, showFacts, uptime, write } from './t
 
 const by = id => document.getElementById(id)
 
-/** Shows what the bar at the top says. `problem` is the banner's { tone, title, text } or null. */
-export function showState(state, tone, problem) {
-  write(by('state'), state)
-  by('state').dataset.tone = tone
+/** Shows what the bar at the top says, in its element `pill`. `problem` is the banner's { tone, title, text } or null. */
+export function showState(state, tone, problem, pill = by('state')) {
+  write(pill, state)
+  pill.dataset.tone = tone
   const banner = by('banner')
   banner.hidden = !problem
   document.title = titleOf(problem?.title)
