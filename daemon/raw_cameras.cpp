@@ -1,25 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/raw_cameras.h"
 
-#include <algorithm>
-#include <initializer_list>
+#include <vector>
+
+#include "calibration/lens.h"
 
 namespace disparityd::daemon {
 namespace {
-
-/// Returns how many coefficients people expect of it: as few as hold all that are not 0.
-std::size_t coefficients_of(const calibration::CameraModel& camera) {
-    if (camera.lens == calibration::LensModel::fisheye) {
-        return 4;
-    }
-    const auto& all = camera.distortion;
-    for (const std::size_t count : {5U, 8U, 12U}) {
-        if (std::all_of(all.begin() + static_cast<std::ptrdiff_t>(count), all.end(), [](double k) { return k == 0; })) {
-            return count;
-        }
-    }
-    return all.size();
-}
 
 v1::RawCamera to_message(const calibration::CameraModel& camera, const std::array<double, 9>& turn) {
     v1::RawCamera message;
@@ -28,8 +15,8 @@ v1::RawCamera to_message(const calibration::CameraModel& camera, const std::arra
     message.set_cx(camera.cx);
     message.set_cy(camera.cy);
     message.set_lens(camera.lens == calibration::LensModel::fisheye ? "fisheye" : "pinhole");
-    message.mutable_distortion()->Add(camera.distortion.begin(),
-                                      camera.distortion.begin() + static_cast<std::ptrdiff_t>(coefficients_of(camera)));
+    const std::vector<double> coefficients = calibration::lens_coefficients(camera);
+    message.mutable_distortion()->Add(coefficients.begin(), coefficients.end());
     message.mutable_rotation()->Add(turn.begin(), turn.end());
     return message;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/mcap/raw_pair.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "bridges/ros_messages/image_messages.h"
+#include "calibration/lens.h"
 #include "calibration/rectified_camera.h"
 #include "pipeline/rectification_schedule.h"
 
@@ -30,25 +30,12 @@ std::string_view encoding_of(PixelFormat format) {
 
 /// Fills in the lens: of Brown's model as few coefficients as do, as programs may know no more.
 void put_lens(ros::CameraInfoFields& fields, const CameraModel& camera) {
+    constexpr std::size_t brown = 5;
     fields.k = {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
-    const auto& all = camera.distortion;
-    const auto none_from = [&all](std::size_t first) {
-        return std::all_of(all.begin() + static_cast<std::ptrdiff_t>(first), all.end(),
-                           [](double number) { return number == 0; });
-    };
-    constexpr std::size_t brown = 5, rational = 8, prism = 12, fisheye = 4;
-    std::size_t count = all.size();
-    if (camera.lens == LensModel::fisheye) {
-        fields.model = "equidistant";
-        count = fisheye;
-    } else if (none_from(brown)) {
-        fields.model = "plumb_bob";
-        count = brown;
-    } else {
-        fields.model = "rational_polynomial";
-        count = none_from(rational) ? rational : none_from(prism) ? prism : count;
-    }
-    fields.d.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
+    fields.d = calibration::lens_coefficients(camera);
+    fields.model = camera.lens == LensModel::fisheye ? "equidistant"
+                   : fields.d.size() == brown        ? "plumb_bob"
+                                                     : "rational_polynomial";
 }
 
 /// The projection of an eye; `shift` is P[3], px m.
