@@ -23,19 +23,33 @@ std::optional<std::string> camera_info(const Frame& frame, Camera camera, const 
     if (frame.f <= 0 || frame.baseline_mm <= 0 || (frame.flags & disparity::unrectified) != 0) {
         return std::nullopt;
     }
-    // d + offset = f B / Z and d = x - x', so the right camera's principal point is the offset farther right.
-    const bool right = camera == Camera::right;
-    const double f = frame.f;
-    const double cx = frame.cx + (right ? frame.disparity_offset : 0);
-    const double cy = frame.cy;
-    const double shift = right ? -f * frame.baseline_mm / 1000 : 0;
+    const std::array<double, 12> p = projection(frame, camera);
     return camera_info_message({.realtime_ns = frame.realtime_ns,
                                 .frame = names.left,
                                 .width = frame.width,
                                 .height = frame.height,
-                                .k = {f, 0, cx, 0, f, cy, 0, 0, 1},
-                                .p = {f, 0, cx, shift, 0, f, cy, 0, 0, 0, 1, 0},
+                                .k = {p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]},
+                                .p = p,
                                 .region = region_of(frame)});
+}
+
+std::string_view distortion_model(bool fisheye, std::size_t coefficients) {
+    constexpr std::size_t plumb_bob_numbers = 5;
+    if (fisheye) {
+        return "equidistant";
+    }
+    return coefficients == plumb_bob_numbers ? "plumb_bob" : "rational_polynomial";
+}
+
+std::array<double, 12> projection(double f, double cx, double cy, double shift) {
+    return {f, 0, cx, shift, 0, f, cy, 0, 0, 0, 1, 0};
+}
+
+std::array<double, 12> projection(const Frame& frame, Camera camera) {
+    // d + offset = f B / Z and d = x - x', so the right camera's principal point is the offset farther right.
+    const bool right = camera == Camera::right;
+    return projection(frame.f, frame.cx + (right ? frame.disparity_offset : 0), frame.cy,
+                      right ? -frame.f * frame.baseline_mm / 1000 : 0);
 }
 
 std::string camera_info_message(const CameraInfoFields& fields) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bridges/ros_messages/frame_names.h"
@@ -32,6 +33,15 @@ struct CameraInfoFields {
     std::array<double, 12> p{};                          ///< of the rectified camera, 3x4, row by row
     Region region = {};
 };
+
+/// Returns how ROS calls the model of a lens: of a fisheye, or of one with so many coefficients.
+std::string_view distortion_model(bool fisheye, std::size_t coefficients);
+
+/// Returns the P of a rectified camera; `shift` is P[3], px m, as all others are px.
+std::array<double, 12> projection(double f, double cx, double cy, double shift);
+
+/// The same of a frame that has a calibration.
+std::array<double, 12> projection(const disparity::Frame& frame, Camera camera);
 
 /// Returns the sensor_msgs/msg/CameraInfo of these fields: also of a camera that is not rectified.
 std::string camera_info_message(const CameraInfoFields& fields);

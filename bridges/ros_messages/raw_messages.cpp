@@ -10,14 +10,6 @@ namespace disparityd::ros {
 namespace {
 
 constexpr int rotation_numbers = 9;
-constexpr int plumb_bob_numbers = 5;
-
-std::string model_of(const v1::RawCamera& camera) {
-    if (camera.lens() == "fisheye") {
-        return "equidistant";
-    }
-    return camera.distortion_size() == plumb_bob_numbers ? "plumb_bob" : "rational_polynomial";
-}
 
 }  // namespace
 
@@ -53,23 +45,19 @@ std::optional<std::string> raw_image(const disparity::Frame& frame, Camera camer
 
 std::optional<std::string> raw_camera_info(const disparity::Frame& frame, const RawCalibration& raw, Camera camera,
                                            const FrameNames& names) {
-    const bool right = camera == Camera::right;
-    const v1::RawCamera& eye = right ? raw.cameras.right() : raw.cameras.left();
+    const v1::RawCamera& eye = camera == Camera::right ? raw.cameras.right() : raw.cameras.left();
     if (frame.calibration_id != raw.calibration_id || frame.f <= 0 || frame.baseline_mm <= 0 ||
         eye.rotation_size() != rotation_numbers) {
         return std::nullopt;
     }
-    const double f = frame.f;
-    const double cx = frame.cx + (right ? frame.disparity_offset : 0);
-    const double shift = right ? -f * frame.baseline_mm / 1000 : 0;
     CameraInfoFields fields{.realtime_ns = frame.realtime_ns,
                             .frame = names.raw,
                             .width = raw.cameras.width(),
                             .height = raw.cameras.height(),
-                            .model = model_of(eye),
                             .d = {eye.distortion().begin(), eye.distortion().end()},
                             .k = {eye.fx(), 0, eye.cx(), 0, eye.fy(), eye.cy(), 0, 0, 1},
-                            .p = {f, 0, cx, shift, 0, f, frame.cy, 0, 0, 0, 1, 0}};
+                            .p = projection(frame, camera)};
+    fields.model = distortion_model(eye.lens() == "fisheye", fields.d.size());
     std::copy(eye.rotation().begin(), eye.rotation().end(), fields.r.begin());
     return camera_info_message(fields);
 }

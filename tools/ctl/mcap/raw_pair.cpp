@@ -30,22 +30,14 @@ std::string_view encoding_of(PixelFormat format) {
 
 /// Fills in the lens: of Brown's model as few coefficients as do, as programs may know no more.
 void put_lens(ros::CameraInfoFields& fields, const CameraModel& camera) {
-    constexpr std::size_t brown = 5;
     fields.k = {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
     fields.d = calibration::lens_coefficients(camera);
-    fields.model = camera.lens == LensModel::fisheye ? "equidistant"
-                   : fields.d.size() == brown        ? "plumb_bob"
-                                                     : "rational_polynomial";
-}
-
-/// The projection of an eye; `shift` is P[3], px m.
-void put_projection(ros::CameraInfoFields& fields, double f, double cx, double cy, double shift) {
-    fields.p = {f, 0, cx, shift, 0, f, cy, 0, 0, 0, 1, 0};
+    fields.model = ros::distortion_model(camera.lens == LensModel::fisheye, fields.d.size());
 }
 
 void put_rectified(ros::CameraInfoFields& fields, const CameraModel& camera, double shift) {
     put_lens(fields, camera);
-    put_projection(fields, camera.fx, camera.cx, camera.cy, shift);
+    fields.p = ros::projection(camera.fx, camera.cx, camera.cy, shift);
 }
 
 bool gives_distances(const StereoCalibration& calibration) {
@@ -99,7 +91,7 @@ void RawPair::describe(const StereoCalibration& used) {
         put_lens(infos[1], used.right);
         for (const std::size_t eye : {0U, 1U}) {
             infos[eye].r = view.turn[eye];
-            put_projection(infos[eye], view.f, view.cx, view.cy, eye == 0 ? 0 : -mm * view.baseline_mm * view.f);
+            infos[eye].p = ros::projection(view.f, view.cx, view.cy, eye == 0 ? 0 : -mm * view.baseline_mm * view.f);
         }
     }
     fields_ = std::move(infos);
