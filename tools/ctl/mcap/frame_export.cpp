@@ -68,11 +68,9 @@ std::vector<ros::Transform> transforms_of(const ExportPlan& plan,
         tree.place = {scan.camera_ahead_m, scan.camera_left_m, scan.camera_height_m,
                       scan.roll_deg,       scan.pitch_deg,     scan.yaw_deg};
     }
-    std::vector<ros::Transform> transforms = ros::static_transforms(tree, rig.baseline_m, rig.sensor);
-    if (raw != nullptr && !raw->is_rectified()) {
-        transforms.push_back({tree.names.left, raw->frame(), {}, ros::quaternion(rig.left_rotation)});
-    }
-    return transforms;
+    const bool with_raw = raw != nullptr && !raw->is_rectified();
+    return ros::static_transforms(tree, rig.baseline_m, rig.sensor,
+                                  with_raw ? std::optional(rig.left_rotation) : std::nullopt);
 }
 
 }  // namespace

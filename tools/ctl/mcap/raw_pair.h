@@ -32,10 +32,6 @@ public:
     /// Whether the source's images are rectified already.
     bool is_rectified() const { return rectified_; }
 
-    /// Returns the frame of reference of images and information. Both eyes have that of the left one, as programs ask
-    /// for that take pairs.
-    const std::string& frame() const { return frame_; }
-
 private:
     using Infos = std::array<ros::CameraInfoFields, 2>;
 
@@ -43,7 +39,7 @@ private:
 
     std::optional<calibration::StereoCalibration> calibration_;  ///< where it gives distances
     bool rectified_ = false;
-    std::string frame_;
+    std::string frame_;  ///< of reference: both eyes have that of the left one, as programs ask for that take pairs
     std::array<std::string, 2> images_, infos_;  ///< topics: left, right
     calibration::CalibrationCorrection correction_;
     std::optional<Infos> fields_;  ///< of correction_; none where no distances are known
