@@ -76,7 +76,10 @@ std::vector<ros::Transform> transforms_of(const ExportPlan& plan,
 }  // namespace
 
 FrameExport::FrameExport(ExportPlan plan, const capture::SourceInfo& source)
-    : plan_(std::move(plan)), calibration_(source.calibration), synthetic_(source.synthetic) {
+    : plan_(std::move(plan)),
+      calibration_(source.calibration),
+      synthetic_(source.synthetic),
+      encoding_(encoding_for_files(plan_.camera)) {
     McapParts parts = plan_.parts;
     if (parts.contains(McapPart::raw)) {
         raw_.emplace(source, plan_.camera);
@@ -92,9 +95,6 @@ FrameExport::FrameExport(ExportPlan plan, const capture::SourceInfo& source)
     }
     products_ = wanted.products;
     wants_samples_ = wanted.sensors;
-    encoding_.names = ros::frame_names(mcap_naming, plan_.camera);
-    encoding_.cloud.most_points = UINT32_MAX;  // a file has room for all
-    encoding_.hidden = ros::HiddenSpace::obstacle;
 }
 
 void FrameExport::take_raw(const capture::RawFrame& frame) {
@@ -121,12 +121,8 @@ void FrameExport::begin(const capture::RawFrame& frame) {
 
 void FrameExport::open(std::int64_t realtime_ns, const std::optional<calibration::StereoCalibration>& calibration) {
     file_.emplace(plan_.file, plan_.existing);
-    const auto transforms = plan_.parts.contains(McapPart::tf)
-                                ? transforms_of(plan_, calibration, raw_ ? &*raw_ : nullptr)
-                                : std::vector<ros::Transform>();
-    if (!transforms.empty()) {
-        file_->write(
-            {"/tf_static", "tf2_msgs/TFMessage", realtime_ns, ros::transform_message(realtime_ns, transforms)});
+    if (plan_.parts.contains(McapPart::tf)) {
+        file_->write(realtime_ns, transforms_of(plan_, calibration, raw_ ? &*raw_ : nullptr));
     }
 }
 

@@ -3,13 +3,11 @@
 
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "bridges/ros_messages/transform_message.h"
 #include "capture/frame_source.h"
 #include "clients/cpp/disparity_client.hpp"
 #include "formats/mcap_file.h"
@@ -77,7 +75,7 @@ private:
     const bool synthetic_;
     std::vector<McapTopic> topics_;
     std::vector<disparity::Product> products_;
-    ros::Encoding encoding_;
+    const ros::Encoding encoding_;
     bool wants_samples_ = false;
     std::mutex mutex_;
     std::optional<RawPair> raw_;     ///< of the thread that calls take_raw()

@@ -9,6 +9,14 @@
 
 namespace disparityd::tools {
 
+ros::Encoding encoding_for_files(const std::string& camera) {
+    ros::Encoding encoding;
+    encoding.names = ros::frame_names(mcap_naming, camera);
+    encoding.cloud.most_points = UINT32_MAX;  // a file has room for all
+    encoding.hidden = ros::HiddenSpace::obstacle;
+    return encoding;
+}
+
 RosMcap::Channel& RosMcap::channel_of(const RosMessageBytes& message) {
     const auto known = channels_.find(message.topic);
     if (known != channels_.end()) {
@@ -60,6 +68,13 @@ void RosMcap::write(const disparity::SensorSample& sample, const std::vector<Mca
         if (std::optional<std::string> bytes = ros::encode(topic.content, sample, names)) {
             write({topic.name, ros::message_name(topic.content), sample.realtime_ns, std::move(*bytes)});
         }
+    }
+}
+
+void RosMcap::write(std::int64_t realtime_ns, const std::vector<ros::Transform>& static_transforms) {
+    if (!static_transforms.empty()) {
+        write(
+            {"/tf_static", "tf2_msgs/TFMessage", realtime_ns, ros::transform_message(realtime_ns, static_transforms)});
     }
 }
 

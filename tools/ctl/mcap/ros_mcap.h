@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridges/ros_messages/encode.h"
+#include "bridges/ros_messages/transform_message.h"
 #include "clients/cpp/disparity_client.hpp"
 #include "formats/mcap_file.h"
 #include "tools/ctl/mcap/mcap_parts.h"
@@ -23,6 +24,9 @@ struct RosMessageBytes {
     std::string bytes;  ///< CDR
 };
 
+/// Returns how messages of a camera are made for a file.
+ros::Encoding encoding_for_files(const std::string& camera);
+
 /// Writes messages of ROS 2 into an MCAP file. A topic is there from its first message on. The time of a message in the
 /// file is its stamp. One thread uses an object at a time. Throws as formats::McapFile.
 class RosMcap {
@@ -35,6 +39,9 @@ public:
     void write(const disparity::Frame& frame, const std::vector<McapTopic>& topics, const ros::Encoding& encoding);
     void write(const disparity::SensorSample& sample, const std::vector<McapTopic>& topics,
                const ros::FrameNames& names);
+
+    /// Writes /tf_static; nothing where there are none.
+    void write(std::int64_t realtime_ns, const std::vector<ros::Transform>& static_transforms);
 
     /// Counts what was written since the last call as a frame.
     void end_frame();

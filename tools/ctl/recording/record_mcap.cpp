@@ -119,10 +119,7 @@ Daemon ask(disparity::SocketClient& client) {
 class RecordedFile {
 public:
     RecordedFile(const McapRecordArguments& arguments, Choice choice, const Daemon& daemon, bool with_tf)
-        : arguments_(arguments), choice_(std::move(choice)) {
-        encoding_.names = ros::frame_names(mcap_naming, arguments.camera);
-        encoding_.cloud.most_points = UINT32_MAX;  // a file has room for all
-        encoding_.hidden = ros::HiddenSpace::obstacle;
+        : arguments_(arguments), choice_(std::move(choice)), encoding_(encoding_for_files(arguments.camera)) {
         if (with_tf) {
             const ros::TreeOfFrames tree{.names = encoding_.names,
                                          .right = ros::right_frame_name(mcap_naming, arguments.camera)};
@@ -156,15 +153,12 @@ private:
         }
         file_.emplace(arguments_.file,
                       arguments_.force ? formats::McapFile::Existing::replaced : formats::McapFile::Existing::refused);
-        if (!transforms_.empty()) {
-            file_->write(
-                {"/tf_static", "tf2_msgs/TFMessage", realtime_ns, ros::transform_message(realtime_ns, transforms_)});
-        }
+        file_->write(realtime_ns, transforms_);
     }
 
     const McapRecordArguments& arguments_;
     const Choice choice_;
-    ros::Encoding encoding_;
+    const ros::Encoding encoding_;
     std::vector<ros::Transform> transforms_;
     std::optional<RosMcap> file_;
 };
