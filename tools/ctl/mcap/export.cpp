@@ -43,15 +43,14 @@ struct ExportArguments {
     std::vector<std::string> of_matching;  ///< options that are given and only matching uses
 };
 
-bool needs_matching(const McapParts& parts) {
-    return std::any_of(parts.begin(), parts.end(), [](McapPart part) {
-        return part != McapPart::raw && part != McapPart::imu && part != McapPart::sensors && part != McapPart::tf;
-    });
+/// Returns what is asked for. Throws as parse_mcap_parts().
+McapParts asked_parts(const ExportArguments& arguments) {
+    return parse_mcap_parts(arguments.contents.empty() ? usual_parts : arguments.contents);
 }
 
 /// Returns what of the parts can be written of a source. What was not asked for by name is left out with a note.
 McapParts possible_parts(const ExportArguments& arguments, const capture::SourceInfo& source) {
-    McapParts parts = parse_mcap_parts(arguments.contents.empty() ? usual_parts : arguments.contents);
+    McapParts parts = asked_parts(arguments);
     const auto& calibration = source.calibration;
     if (calibration && (!calibration->rectified || (calibration->left.fx > 0 && calibration->translation[0] < 0))) {
         return parts;
@@ -72,7 +71,7 @@ McapParts possible_parts(const ExportArguments& arguments, const capture::Source
 void check_arguments(const ExportArguments& arguments) {
     check(arguments.process);
     check_camera_name(arguments.camera);
-    const McapParts parts = parse_mcap_parts(arguments.contents.empty() ? usual_parts : arguments.contents);
+    const McapParts parts = asked_parts(arguments);
     if (parts.contains(McapPart::raw) && parts.contains(McapPart::rectified) &&
         (!arguments.process.size.empty() || !arguments.process.region.empty())) {
         throw std::invalid_argument(

@@ -97,6 +97,12 @@ McapParts parse_mcap_parts(const std::string& text) {
     return parts;
 }
 
+bool needs_matching(const McapParts& parts) {
+    return std::any_of(parts.begin(), parts.end(), [](McapPart part) {
+        return part != McapPart::raw && part != McapPart::imu && part != McapPart::sensors && part != McapPart::tf;
+    });
+}
+
 std::string word_of(McapPart part) {
     const auto found =
         std::find_if(words.begin(), words.end(), [part](const Word& known) { return known.part == part; });

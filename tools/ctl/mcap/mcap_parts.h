@@ -33,6 +33,9 @@ using McapParts = std::set<McapPart>;
 /// Returns the parts of "raw,depth". Throws std::invalid_argument with one line for a word that is none.
 McapParts parse_mcap_parts(const std::string& words);
 
+/// Whether any of them is made of frames that were matched, and so of frames that a daemon sends.
+bool needs_matching(const McapParts& parts);
+
 /// Returns the word of a part.
 std::string word_of(McapPart part);
 

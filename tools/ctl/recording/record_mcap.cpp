@@ -92,12 +92,6 @@ void check_limit(const McapRecordArguments& arguments, bool with_frames) {
     }
 }
 
-bool may_need_frames(const McapParts& parts) {
-    return std::any_of(parts.begin(), parts.end(), [](McapPart part) {
-        return part != McapPart::imu && part != McapPart::sensors && part != McapPart::tf;
-    });
-}
-
 /// A daemon's answer to what it is, at the begin.
 struct Daemon {
     v1::Status status;
@@ -266,7 +260,7 @@ private:
 int record_mcap(const McapRecordArguments& arguments) {
     const McapParts parts = parts_of(arguments);
     check_camera_name(arguments.camera);
-    check_limit(arguments, may_need_frames(parts));
+    check_limit(arguments, needs_matching(parts));
     check_output(arguments.file, arguments.force);
     disparity::Client asking = connect(arguments.daemon);
     catch_interrupts();
