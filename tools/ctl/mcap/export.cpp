@@ -21,6 +21,7 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/mcap/frame_export.h"
 #include "tools/ctl/mcap/mcap_report.h"
+#include "tools/ctl/mcap/raw_pair.h"
 #include "tools/ctl/output_file.h"
 #include "tools/ctl/processing/frame_chain.h"
 #include "tools/ctl/processing/input_files.h"
@@ -52,7 +53,7 @@ McapParts asked_parts(const ExportArguments& arguments) {
 McapParts possible_parts(const ExportArguments& arguments, const capture::SourceInfo& source) {
     McapParts parts = asked_parts(arguments);
     const auto& calibration = source.calibration;
-    if (calibration && (!calibration->rectified || (calibration->left.fx > 0 && calibration->translation[0] < 0))) {
+    if (calibration && (!calibration->rectified || gives_distances(*calibration))) {
         return parts;
     }
     for (const McapPart part : {McapPart::depth, McapPart::depth_mm, McapPart::points, McapPart::scan}) {

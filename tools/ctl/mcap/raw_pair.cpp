@@ -40,11 +40,11 @@ void put_rectified(ros::CameraInfoFields& fields, const CameraModel& camera, dou
     fields.p = ros::projection(camera.fx, camera.cx, camera.cy, shift);
 }
 
+}  // namespace
+
 bool gives_distances(const StereoCalibration& calibration) {
     return calibration.left.fx > 0 && calibration.translation[0] < 0;
 }
-
-}  // namespace
 
 StereoCalibration calibration_of(const capture::RawFrame& frame, const StereoCalibration& calibration) {
     pipeline::check_recorded_correction(frame);

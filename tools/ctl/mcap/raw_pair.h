@@ -13,6 +13,9 @@
 
 namespace disparityd::tools {
 
+/// Whether distances are known by it: one of images that are rectified already may lack a focal length or a baseline.
+bool gives_distances(const calibration::StereoCalibration& calibration);
+
 /// Returns the calibration as the recorded correction of a frame changes it. Throws std::runtime_error with one line
 /// for a correction that no camera can need.
 calibration::StereoCalibration calibration_of(const capture::RawFrame& frame,
