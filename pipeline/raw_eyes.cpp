@@ -3,23 +3,23 @@
 
 #include <algorithm>
 
+#include "kernels/luma.h"
+
 namespace disparityd::pipeline {
 namespace {
+
+template <PixelFormat format>
+void luma_of_row(const std::uint8_t* from, int width, std::uint8_t* to) {
+    for (int x = 0; x < width; ++x) {
+        to[x] = static_cast<std::uint8_t>(luma_of<format>(from, x));
+    }
+}
 
 void luma_of_row(PixelFormat format, const std::uint8_t* from, int width, std::uint8_t* to) {
     switch (format) {
         case PixelFormat::grey8: std::copy_n(from, width, to); return;
-        case PixelFormat::yuyv:
-            for (int x = 0; x < width; ++x) {
-                to[x] = from[2 * x];
-            }
-            return;
-        case PixelFormat::bgr24:
-            for (int x = 0; x < width; ++x) {
-                const std::uint8_t* bgr = from + 3 * x;
-                to[x] = static_cast<std::uint8_t>((3735 * bgr[0] + 19235 * bgr[1] + 9798 * bgr[2] + (1 << 14)) >> 15);
-            }
-            return;
+        case PixelFormat::yuyv: luma_of_row<PixelFormat::yuyv>(from, width, to); return;
+        case PixelFormat::bgr24: luma_of_row<PixelFormat::bgr24>(from, width, to); return;
     }
 }
 

@@ -1,22 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kernels/luma.h"
 #include "kernels/reference/bilinear.h"
 #include "kernels/reference/steps.h"
 
 namespace disparityd::reference {
 
 namespace {
-
-template <PixelFormat format>
-int luma(const std::uint8_t* row, int x) {
-    if constexpr (format == PixelFormat::grey8) {
-        return row[x];
-    } else if constexpr (format == PixelFormat::yuyv) {
-        return row[2 * x];
-    } else {
-        const std::uint8_t* bgr = row + 3 * x;
-        return (3735 * bgr[0] + 19235 * bgr[1] + 9798 * bgr[2] + (1 << 14)) >> 15;
-    }
-}
 
 template <PixelFormat format>
 void rectify_from(Plane<const std::uint8_t> source, int source_width, const Rectifier& rectifier, const RectifyMap& map,
@@ -26,11 +15,11 @@ void rectify_from(Plane<const std::uint8_t> source, int source_width, const Rect
             if (rectifier.mapped) {
                 int sum = 0;
                 bilinear(map, x, y, source_width, source.height,
-                         [&](int px, int py, int weight) { sum += weight * luma<format>(source.row(py), px); });
+                         [&](int px, int py, int weight) { sum += weight * luma_of<format>(source.row(py), px); });
                 out.at(x, y) = round_bilinear(sum);
             } else {
                 const std::uint8_t* row = source.row(rectifier.crop_y + y);
-                out.at(x, y) = static_cast<std::uint8_t>(luma<format>(row, rectifier.crop_x + x));
+                out.at(x, y) = static_cast<std::uint8_t>(luma_of<format>(row, rectifier.crop_x + x));
             }
         }
     }
