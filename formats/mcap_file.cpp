@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/file_lock.h"
+#include "base/write_all.h"
 #include "base/write_failure.h"
 #include "base/write_target.h"
 
@@ -41,18 +43,6 @@ int open_to_write(const std::string& path, const base::WriteTarget& target, bool
         base::refuse_to_write(path, errno);
     }
     return descriptor;
-}
-
-/// Hands all bytes to the system. Returns 0, or the number of the error.
-int write_all(int descriptor, std::string_view bytes) {
-    while (!bytes.empty()) {
-        const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-        if (written < 0 && errno != EINTR) {
-            return errno;
-        }
-        bytes.remove_prefix(written < 0 ? 0 : static_cast<std::size_t>(written));
-    }
-    return 0;
 }
 
 }  // namespace
@@ -96,7 +86,7 @@ std::uint16_t McapFile::add_channel(std::uint16_t schema, std::string_view topic
 }
 
 void McapFile::append(std::string_view bytes) {
-    if (const int error = write_all(file_.descriptor, bytes); error != 0) {
+    if (const int error = base::write_all(file_.descriptor, std::as_bytes(std::span(bytes))); error != 0) {
         if (!file_.special) {
             // A part of a chunk is of no use to anybody; where it cannot be cut, readers stop before it.
             static_cast<void>(::ftruncate(file_.descriptor, static_cast<off_t>(size_)));

@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/write_all.h"
 #include "base/write_failure.h"
 #include "base/write_target.h"
 #include "capture/images/image_files.h"
@@ -35,23 +36,11 @@ int open_beside(const std::string& target) {
     return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 }
 
-/// 0 or errno.
-int write_all(int descriptor, std::span<const std::uint8_t> bytes) {
-    while (!bytes.empty()) {
-        const ssize_t written = write(descriptor, bytes.data(), bytes.size());
-        if (written < 0 && errno != EINTR) {
-            return errno;
-        }
-        bytes = bytes.subspan(written < 0 ? 0 : static_cast<std::size_t>(written));
-    }
-    return 0;
-}
-
 /// Puts the new file in place of the target, whole or not at all; `path` is for messages.
 void replace(const std::string& path, const base::WriteTarget& target, int beside,
              std::span<const std::uint8_t> bytes) {
     const std::string unfinished = unfinished_name(target.path);
-    int failure = write_all(beside, bytes);
+    int failure = base::write_all(beside, std::as_bytes(bytes));
     if (target.mode) {
         fchmod(beside, *target.mode);
     }
@@ -100,7 +89,7 @@ void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
     if (itself < 0) {
         base::refuse_to_write(path, errno);
     }
-    const int failure = write_all(itself, bytes);
+    const int failure = base::write_all(itself, std::as_bytes(bytes));
     if (const int closing = close(itself) == 0 ? 0 : errno; failure != 0 || closing != 0) {
         base::refuse_to_write(path, failure != 0 ? failure : closing);
     }
