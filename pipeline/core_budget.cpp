@@ -48,12 +48,8 @@ void CoreBudget::look_at(const Moment& now) {
     if (!begun_ || now.time - last_ > pause) {
         begun_ = true;
         last_ = now.time;
-        second_ = now;
-        charged_ = 0;
-        admitted_ = 0;
-        unused_ = 0;
         credit_ = cost_;
-        keep(now);
+        begin_second(now);
         return;
     }
     const double earned = cores_ * Seconds(now.time - last_).count();
@@ -82,11 +78,17 @@ void CoreBudget::close_second(const Moment& now) {
     }
     // What lies further back than the average looks is forgotten.
     excess_ = std::min(excess_, cores_ * Seconds(window).count());
+    begin_second(now);
+}
+
+void CoreBudget::begin_second(const Moment& now) {
     second_ = now;
     charged_ = 0;
     admitted_ = 0;
     unused_ = 0;
-    keep(now);
+    const std::lock_guard lock(mutex_);
+    moments_[count_ % kept] = now;
+    ++count_;
 }
 
 /// Returns the average after `of_frame`. Where the last frames cost less than half, other work has ended: the average
@@ -97,12 +99,6 @@ double CoreBudget::next_cost(double of_frame) const {
     }
     const double followed = of_frame < cost_ / 2 ? 2 : 4;
     return cost_ + (of_frame - cost_) / followed;
-}
-
-void CoreBudget::keep(const Moment& now) {
-    const std::lock_guard lock(mutex_);
-    moments_[count_ % kept] = now;
-    ++count_;
 }
 
 double CoreBudget::used() const {

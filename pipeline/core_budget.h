@@ -60,8 +60,8 @@ public:
 private:
     void look_at(const Moment& now);
     void close_second(const Moment& now);
+    void begin_second(const Moment& now);
     double next_cost(double of_frame) const;
-    void keep(const Moment& now);
 
     static constexpr std::size_t kept = 11;  ///< moments a second apart reach back a window
 
