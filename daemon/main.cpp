@@ -48,14 +48,10 @@ int run(int argc, char** argv) {
         disparityd::daemon::client_access(config);
         disparityd::daemon::client_tls(config);
         print_notes(config.notes);
-        if (const std::string distances = would_run.distances(); !distances.empty()) {
-            print_notes({distances});
-        }
-        if (const std::string note = would_run.on_demand_note(); !note.empty()) {
-            print_notes({note});
-        }
-        if (const std::string note = would_run.core_share(); !note.empty()) {
-            print_notes({note});
+        for (const std::string& note : {would_run.distances(), would_run.on_demand_note(), would_run.core_share()}) {
+            if (!note.empty()) {
+                print_notes({note});
+            }
         }
         const disparityd::daemon::MemoryBounds memory = would_run.memory();
         print_notes({work});
