@@ -145,8 +145,13 @@ TEST(Pinning, MoreWorkersThanCoresAreNotPinned) {
 
 /// The cores of one computer, which several pools claim.
 struct Computer {
+    void give(int core, const CoreClaims& holder) {
+        const std::lock_guard lock(mutex);
+        holders[core] = &holder;
+    }
+
     std::mutex mutex;
-    std::map<int, const void*> holders;
+    std::map<int, const CoreClaims*> holders;
 };
 
 class Claims final : public CoreClaims {
@@ -250,10 +255,7 @@ TEST(Pinning, WithFewerCoresThanWorkersTheOthersRunAnywhere) {
     const auto both = cores_of_two_tasks(pool);
     EXPECT_EQ(both[0].size() + both[1].size(), 2U) << "the helper has slept on a core of its own since";
     // Another program gets one of the two, such as when the file of the lock was removed.
-    {
-        const std::lock_guard lock(computer.mutex);
-        computer.holders[all[0]] = &other;
-    }
+    computer.give(all[0], other);
     EXPECT_TRUE(pool.claim_cores());
     EXPECT_FALSE(pool.placement().pinned);
     EXPECT_EQ(pool.placement().text, "pinned to cores " + std::to_string(all[1]) + ", but for 1 of 2: core " +
@@ -274,11 +276,8 @@ TEST(Pinning, AWorkerWhoseCoreIsLostRunsAnywhere) {
         const WorkerPool::ComputeSlot slot(pool);
         cores_of_two_tasks(pool);
     }
-    {
-        const std::lock_guard lock(computer.mutex);
-        for (const int core : all) {
-            computer.holders[core] = &other;
-        }
+    for (const int core : all) {
+        computer.give(core, other);
     }
     pool.claim_cores();
     EXPECT_THAT(pool.placement().text, StartsWith("not pinned to cores: "));
