@@ -131,6 +131,7 @@ void McapStreamWriter::write(const McapMessage& message) {
     }
 }
 
+/// Gives the sink what was written so far. Does nothing where nothing was.
 void McapStreamWriter::end_chunk() {
     if (chunk_.empty()) {
         return;

@@ -44,9 +44,6 @@ public:
     /// reader of this project would take (mcap_most_bytes).
     void write(const McapMessage& message);
 
-    /// Ends the chunk, so that what was written so far is in the sink. Does nothing where nothing was.
-    void end_chunk();
-
     /// Ends the file. Nothing is written afterwards.
     void finish();
 
@@ -68,6 +65,7 @@ private:
 
     void define(McapOpcode opcode, const std::string& content);
     void hand_over();
+    void end_chunk();
     void pack_chunk();
     std::string write_message_indexes();
     void write_group(McapOpcode opcode, const std::vector<std::string>& contents);
