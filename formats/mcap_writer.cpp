@@ -14,6 +14,7 @@ namespace disparityd::formats {
 namespace {
 
 constexpr std::string_view packing = "zstd";
+constexpr int compression_level = 1;
 
 void append_number(std::string& to, std::uint64_t value, std::size_t bytes) {
     const std::size_t at = to.size();
@@ -59,7 +60,7 @@ void McapStreamWriter::Span::add(std::uint64_t time_ns) {
 McapStreamWriter::McapStreamWriter(Sink sink, McapLayout layout) : sink_(std::move(sink)), layout_(std::move(layout)) {
     std::string content;
     append_text(content, layout_.profile);
-    append_text(content, layout_.library);
+    append_text(content, "disparityd");  // what wrote it
     out_ = mcap_magic;
     append_record(out_, McapOpcode::header, content);
     hand_over();
@@ -159,7 +160,7 @@ void McapStreamWriter::pack_chunk() {
     const std::size_t begin = mcap_record_head + content.size() + length_bytes;
     out_.resize(begin + ZSTD_compressBound(chunk_.size()));
     const std::size_t packed =
-        ZSTD_compress(out_.data() + begin, out_.size() - begin, chunk_.data(), chunk_.size(), layout_.level);
+        ZSTD_compress(out_.data() + begin, out_.size() - begin, chunk_.data(), chunk_.size(), compression_level);
     if (ZSTD_isError(packed) != 0) {
         throw std::runtime_error(std::string("zstd cannot pack a chunk: ") + ZSTD_getErrorName(packed));
     }

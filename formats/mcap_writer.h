@@ -17,10 +17,8 @@ namespace disparityd::formats {
 /// How an MCAP file is written.
 struct McapLayout {
     std::string profile = "ros2";
-    std::string library = "disparityd";
     std::size_t chunk_bytes = std::size_t{1} << 20U;  ///< a chunk ends with the message that makes it so long
     std::uint64_t chunk_ns = 1'000'000'000;           ///< and before one that is so much later than its first
-    int level = 1;                                    ///< of zstd
 };
 
 /// Writes an MCAP file (https://mcap.dev/spec) from its begin to its end: chunks packed by zstd, each with a checksum
