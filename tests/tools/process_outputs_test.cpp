@@ -114,7 +114,7 @@ TEST_F(ProcessOutputsTest, EachIsWhatOtherReadersExpect) {
     EXPECT_EQ(pcd.points.size(), points * 16);
     EXPECT_THAT(ply.head, HasSubstr("format binary_little_endian 1.0\n"));
     EXPECT_THAT(ply.head, HasSubstr("element vertex " + std::to_string(points) + '\n'));
-    EXPECT_THAT(pcd.head, HasSubstr("\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\n"));
+    EXPECT_THAT(pcd.head, HasSubstr("\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\n"));
     EXPECT_THAT(pcd.head, HasSubstr("\nPOINTS " + std::to_string(points) + '\n'));
     EXPECT_EQ(run(DISPARITYCTL, {"verify", path("out")}).exit_code, 0);
 
