@@ -17,6 +17,14 @@ namespace {
 
 constexpr mode_t everybody_reads = 0444;
 
+/// Returns whether somebody else has a lock on the file; false where that cannot be known.
+bool is_locked_by_others(int descriptor) {
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    return fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+}
+
 /// Returns whether the path still names the open file: a file that was removed locks nothing for those who come later.
 bool is_named(int descriptor, const std::string& path) {
     struct stat file {};
@@ -37,16 +45,16 @@ void CoreLocks::leave() {
     while (!descriptors_.empty()) {
         give_back(descriptors_.begin()->first);
     }
-    if (takers_ >= 0) {
-        close(takers_);
-        takers_ = -1;
+    if (presence_ >= 0) {
+        close(presence_);
+        presence_ = -1;
     }
 }
 
 bool CoreLocks::claim(int core) {
+    tell_others();
     if (takes_all_ && has_rivals()) {
         give_back(core);
-        refusal_ = "another daemon takes all cores, too ([pipeline] cores gives each its share)";
         return false;
     }
     const auto held = descriptors_.find(core);
@@ -97,25 +105,41 @@ int CoreLocks::open_file(const std::string& path) {
     return descriptor;
 }
 
-/// Returns whether another one takes all cores, too. Where that cannot be known there is none: then no core has a lock
-/// either.
-bool CoreLocks::has_rivals() {
-    const std::string path = folder_ + "/disparityd-core-all";
-    if (takers_ >= 0 && !is_named(takers_, path)) {
-        close(takers_);
-        takers_ = -1;
+std::string CoreLocks::presence_path(bool takes_all) const {
+    return folder_ + (takes_all ? "/disparityd-core-all" : "/disparityd-core-shares");
+}
+
+/// Has the lock by which others see this one. Where that cannot be there is none, and no core has a lock either.
+void CoreLocks::tell_others() {
+    const std::string path = presence_path(takes_all_);
+    if (presence_ >= 0 && is_named(presence_, path)) {
+        return;
     }
+    if (presence_ >= 0) {
+        close(presence_);
+    }
+    presence_ = open_file(path);
     struct flock lock {};
-    if (takers_ < 0) {
-        takers_ = open_file(path);
-        lock.l_type = F_RDLCK;
-        lock.l_whence = SEEK_SET;
-        fcntl(takers_, F_OFD_SETLK, &lock);
-    }
-    lock = {};
-    lock.l_type = F_WRLCK;
+    lock.l_type = F_RDLCK;
     lock.l_whence = SEEK_SET;
-    return fcntl(takers_, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+    fcntl(presence_, F_OFD_SETLK, &lock);
+}
+
+/// Returns whether another one takes all cores, too, or has a share of its own; refusal_ says which.
+bool CoreLocks::has_rivals() {
+    if (is_locked_by_others(presence_)) {
+        refusal_ = "another daemon takes all cores, too ([pipeline] cores gives each its share)";
+        return true;
+    }
+    const int shares = open_file(presence_path(false));
+    const bool has_way = is_locked_by_others(shares);
+    if (shares >= 0) {
+        close(shares);
+    }
+    if (has_way) {
+        refusal_ = "another daemon has a share of the cores, and comes first ([pipeline] cores gives this one a share)";
+    }
+    return has_way;
 }
 
 /// Returns the descriptor of the locked file; -1: refusal_ says why.

@@ -21,8 +21,10 @@ inline constexpr const char* core_lock_folder = "/dev/shm";
 /// until claim() is called by the first one, which finds that its file has no name any more.
 ///
 /// Daemons that take all cores they can get would not degrade evenly, were one of them pinned and the others not: while
-/// two of them run, none of them has a core. Each has a lock on the file disparityd-core-all that excludes nobody, and
-/// sees whether others have one.
+/// two of them run, none of them has a core. Nor has one while a daemon runs that has a share of its own: who was given
+/// a share is to find cores for it, whoever came first. Each daemon has a lock that excludes nobody on the file
+/// disparityd-core-all or disparityd-core-shares, by which those that take all see it. They look when they claim: they
+/// give way within the time between two claims.
 ///
 /// Whoever may read the folder can lock a core, as whoever may run a program can pin a thread of it to any core: the
 /// daemon is then not pinned there, which costs little.
@@ -43,12 +45,14 @@ private:
     std::string path_of(int core) const;
     int open_file(const std::string& path);
     int lock_file(int core);
+    std::string presence_path(bool takes_all) const;
+    void tell_others();
     bool has_rivals();
     void give_back(int core);
 
     const bool takes_all_;
     const std::string folder_;
-    int takers_ = -1;                 ///< descriptor of the file of those that take all
+    int presence_ = -1;               ///< descriptor of the file by which others see this one
     std::map<int, int> descriptors_;  ///< of the files that are locked, by core
     std::string refusal_;
 };

@@ -139,8 +139,6 @@ TEST_F(CoreLocksTest, AFileThatWasRemovedIsLockedAnew) {
 TEST_F(CoreLocksTest, OfSeveralThatTakeAllNoneHasACore) {
     CoreLocks first(true, folder_.path());
     EXPECT_TRUE(first.claim(0));
-    EXPECT_TRUE(locks_.claim(1)) << "who has a share takes it all the same";
-    EXPECT_TRUE(first.claim(0)) << "a share is no rival";
     {
         CoreLocks second(true, folder_.path());
         EXPECT_FALSE(second.claim(2));
@@ -153,6 +151,35 @@ TEST_F(CoreLocksTest, OfSeveralThatTakeAllNoneHasACore) {
         EXPECT_TRUE(second.claim(0)) << "who has left counts no more";
     }
     EXPECT_TRUE(first.claim(0)) << "nor does who has ended";
+}
+
+// Who was given a share would find no core, did the first that takes all keep them.
+TEST_F(CoreLocksTest, WhoTakesAllGivesWayToAShare) {
+    CoreLocks all(true, folder_.path());
+    EXPECT_TRUE(all.claim(0));
+    EXPECT_TRUE(all.claim(1));
+    EXPECT_FALSE(locks_.claim(0)) << "the first one has not looked yet";
+    EXPECT_THAT(locks_.refusal(), HasSubstr("core 0 is held by another program"));
+    EXPECT_FALSE(all.claim(0));
+    EXPECT_THAT(all.refusal(), HasSubstr("another daemon has a share of the cores, and comes first"));
+    EXPECT_FALSE(all.claim(1)) << "one that is pinned in part would drop frames unevenly";
+    EXPECT_TRUE(locks_.claim(0));
+    EXPECT_TRUE(others_.claim(1)) << "shares are no rivals";
+    locks_.leave();
+    EXPECT_FALSE(all.claim(0)) << "one of two is left";
+    others_.leave();
+    EXPECT_TRUE(all.claim(0));
+    EXPECT_TRUE(all.claim(1));
+}
+
+TEST_F(CoreLocksTest, AFileOfSharesThatWasRemovedIsMadeAnew) {
+    CoreLocks all(true, folder_.path());
+    ASSERT_TRUE(locks_.claim(0));
+    EXPECT_FALSE(all.claim(1));
+    fs::remove(fs::path(folder_.path()) / "disparityd-core-shares");
+    EXPECT_TRUE(all.claim(1)) << "nobody can know of that lock any more";
+    EXPECT_TRUE(locks_.claim(0));
+    EXPECT_FALSE(all.claim(1));
 }
 
 TEST(CoreLockFolder, UnitsLetTheDaemonWriteThere) {
