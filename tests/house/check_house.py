@@ -43,7 +43,7 @@ SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("bindings", "pipel
         # Files hold the messages that bridges send: tools write them with the same encoders, and know no bridge.
         ("tools", "bridges"): {"bridges/ros_messages/" + name for name in (
             "camera_info_message.h", "contents.h", "encode.h", "frame_names.h", "image_messages.h", "message_definitions.h",
-            "static_transforms.h", "topics.h", "transform_message.h")}}
+            "raw_messages.h", "static_transforms.h", "topics.h", "transform_message.h")}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
 KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "gstreamer": {"recording"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
          "svo": {"images", "recording"}, "usb": set()}

@@ -8,8 +8,7 @@
 #include <unistd.h>
 
 #include "capture/frame_source.h"
-#include "tests/tools/made_input.h"
-#include "tests/tools/run_program.h"
+#include "tests/tools/daemon_on_scene.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 #include "tools/images/picture.h"
@@ -18,62 +17,6 @@ namespace disparityd::test {
 namespace {
 
 using testing::HasSubstr;
-
-/// A daemon on a small scene, with a socket and shared memory of its own.
-class DaemonTest : public FolderTest {
-protected:
-    virtual std::string source() const { return "scene:vga@30?width=128&height=96&loop=8"; }
-    virtual void wait_for_frames() {
-        ASSERT_TRUE(eventually([this] { return status()["published"] > 0; }));
-    }
-
-    void SetUp() override {
-        FolderTest::SetUp();
-        // Short, because socket paths are; unique, because tests run side by side.
-        socket_ = "/tmp/dctl-test-" + std::to_string(getpid()) + ".sock";
-        name_ = "dctl-test-" + std::to_string(getpid());
-        std::filesystem::create_directory(path("recordings"));
-        daemon_ = std::make_unique<Program>(
-            DISPARITYD,
-            std::vector<std::string>{"--source", source(), "--name", name_, "--set", "socket.unix=" + socket_, "--set",
-                                     "socket.tcp=", "--set", "match.disparities=16", "--set",
-                                     "record.directory=" + path("recordings")});
-        const bool up = eventually([this] { return !daemon_->running() || ctl("status", {}).exit_code == 0; });
-        ASSERT_TRUE(up && daemon_->running()) << daemon_->wait().err;
-        wait_for_frames();
-    }
-
-    void TearDown() override {
-        if (daemon_ && daemon_->running()) {
-            daemon_->send(SIGTERM);
-            daemon_->wait();
-        }
-        FolderTest::TearDown();
-    }
-
-    std::vector<std::string> arguments(const std::string& command, std::vector<std::string> more) const {
-        more.insert(more.begin(), {command, "--name", name_});
-        if (command != "watch" && command != "snapshot") {
-            more.insert(more.end(), {"--socket", "unix:" + socket_});
-        }
-        return more;
-    }
-
-    Outcome ctl(const std::string& command, const std::vector<std::string>& more) const {
-        return run(DISPARITYCTL, arguments(command, more));
-    }
-
-    nlohmann::json status() const { return nlohmann::json::parse(ctl("status", {"--json"}).out); }
-    /// Of the recording that runs.
-    int recorded_frames() const {
-        const nlohmann::json record = status()["record"];
-        return record["active"] == true ? record["frames"].get<int>() : 0;
-    }
-
-    std::string socket_;
-    std::string name_;
-    std::unique_ptr<Program> daemon_;
-};
 
 TEST_F(DaemonTest, StatusTellsWhatRuns) {
     const nlohmann::json now = status();
@@ -113,7 +56,7 @@ TEST_F(DaemonTest, RecordsWhatItIsSentAsMessages) {
     EXPECT_TRUE(read_file(path("b.mcap")).ends_with("\x89MCAP0\r\n"));
 
     EXPECT_THAT(ctl("record", {"--mcap", path("c.mcap"), "--contents", "raw"}).err,
-                HasSubstr("--contents raw: is not recorded from a daemon yet"));
+                HasSubstr("--contents raw: the daemon does not serve the product raw_left: set rectify.raw = true"));
     EXPECT_THAT(ctl("record", {"--mcap", path("c.mcap"), "--contents", "scan"}).err,
                 HasSubstr("--contents scan: the daemon does not serve the product scan: set scan.enabled = true"));
     EXPECT_FALSE(std::filesystem::exists(path("c.mcap")));

@@ -11,10 +11,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "capture/recording/recording_writer.h"
-#include "formats/mcap_reader.h"
-#include "formats/ros_message.h"
 #include "tests/capture/played_source.h"
 #include "tests/tools/made_input.h"
+#include "tests/tools/read_mcap.h"
 #include "tests/tools/run_program.h"
 
 namespace disparityd::test {
@@ -49,20 +48,15 @@ struct Topic {
 
 std::map<std::string, Topic> topics_in(const std::string& path) {
     std::map<std::string, Topic> topics;
-    formats::McapReader reader(path);
-    EXPECT_TRUE(reader.has_summary());
-    formats::McapMessage message;
-    while (reader.next(message)) {
-        const formats::McapChannel& channel = reader.definitions().channels().at(message.channel);
-        const formats::McapSchema& schema = reader.definitions().schemas().at(channel.schema);
-        const formats::RosMessage fields(formats::parse_ros_schema(schema.name, *schema.text), message.data);
-        Topic& topic = topics[channel.topic];
-        topic.type = schema.name;
+    read_mcap(path, [&topics](const McapRead& read) {
+        const auto& [name, type, message, fields] = read;
+        Topic& topic = topics[name];
+        topic.type = type;
         EXPECT_EQ(message.sequence, static_cast<std::uint32_t>(topic.messages++));
-        const std::string header = schema.name == "tf2_msgs/msg/TFMessage" ? "transforms.0.header" : "header";
+        const std::string header = type == "tf2_msgs/msg/TFMessage" ? "transforms.0.header" : "header";
         const std::int64_t stamp =
             fields.integer(header + ".stamp.sec") * 1'000'000'000 + fields.integer(header + ".stamp.nanosec");
-        EXPECT_EQ(message.log_ns, static_cast<std::uint64_t>(stamp)) << channel.topic;
+        EXPECT_EQ(message.log_ns, static_cast<std::uint64_t>(stamp)) << name;
         topic.stamps.insert(stamp);
         topic.texts["frame"] = fields.text(header + ".frame_id");
         for (const char* text : {"encoding", "distortion_model"}) {
@@ -86,7 +80,7 @@ std::map<std::string, Topic> topics_in(const std::string& path) {
             const auto data = fields.bytes("data");
             topic.data.assign(data.begin(), data.end());
         }
-    }
+    });
     return topics;
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads a file of disparityctl export with npm's @mcap/core, every checksum compared, and each message by the definition in the file
-// with @foxglove/rosmsg2-serialization.
-//   node read_export.cjs DISPARITYCTL
+// Reads a file of disparityctl export, and one that disparityctl record --mcap makes of a daemon, with npm's @mcap/core, every
+// checksum compared, and each message by the definition in the file with @foxglove/rosmsg2-serialization.
+//   node read_export.cjs DISPARITYCTL [DISPARITYD]
 // Exit status: 0 all is right, 1 something differs, 77 a package is missing.
 'use strict'
 
 const assert = require('node:assert')
-const { execFileSync } = require('node:child_process')
+const { execFileSync, spawn } = require('node:child_process')
 const fs = require('node:fs')
 const os = require('node:os')
 const path = require('node:path')
@@ -33,6 +33,31 @@ function makeFile () {
   return fs.readFileSync(file)
 }
 
+/// The raw pair and the disparities of a daemon.
+function recordFile () {
+  const file = path.join(folder, 'daemon.mcap')
+  const socket = path.join(folder, 'd.sock')
+  const name = `other-mcap-${process.pid}`
+  const daemon = spawn(process.argv[3], ['--source', `scene:vga@30?width=${WIDTH}&height=${HEIGHT}&loop=4`, '--name', name, '--set', `socket.unix=${socket}`,
+    '--set', 'socket.tcp=', '--set', 'match.disparities=16', '--set', 'rectify.raw=true'], { stdio: 'ignore' })
+  try {
+    for (let tries = 0; ; ++tries) { // until it has drawn its scene
+      try {
+        execFileSync(process.argv[2], ['record', '--mcap', file, '--frames', String(FRAMES), '--contents', 'raw,disparity,tf', '--name', name,
+          '--socket', `unix:${socket}`], { stdio: 'pipe' })
+        return fs.readFileSync(file)
+      } catch (error) {
+        if (tries === 600) {
+          throw error
+        }
+        Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 100)
+      }
+    }
+  } finally {
+    daemon.kill()
+  }
+}
+
 const IMAGES = {
   '/stereo/left/image_raw': ['yuv422_yuy2', 2],
   '/stereo/right/image_raw': ['yuv422_yuy2', 2],
@@ -42,11 +67,27 @@ const IMAGES = {
   '/stereo/depth/image_rect_raw': ['16UC1', 2]
 }
 
-function checkMessage (topic, message, logTime) {
+const RAW_OF_DAEMON = {
+  '/stereo/left/image_raw': ['mono8', 1],
+  '/stereo/right/image_raw': ['mono8', 1]
+}
+
+/// K and D are those of a lens, R turns, and P of the right camera has the baseline.
+function checkRawInfo (topic, message) {
+  assert.strictEqual(message.header.frame_id, 'stereo_left_raw_optical_frame')
+  assert.strictEqual(message.distortion_model, { 5: 'plumb_bob', 8: 'rational_polynomial' }[message.d.length])
+  assert.ok(message.d.some(value => value !== 0) && message.k[0] > 0 && message.k[0] !== message.p[0])
+  for (const row of [0, 3, 6]) {
+    assert.ok(Math.abs(message.r[row] ** 2 + message.r[row + 1] ** 2 + message.r[row + 2] ** 2 - 1) < 1e-9)
+  }
+  assert.ok((message.p[3] < 0) === topic.includes('/right/'))
+}
+
+function checkMessage (images, topic, message, logTime) {
   const header = topic === '/tf_static' ? message.transforms[0].header : message.header
   assert.strictEqual(BigInt(header.stamp.sec) * 1000000000n + BigInt(header.stamp.nanosec), logTime, topic)
-  if (IMAGES[topic]) {
-    const [encoding, bytes] = IMAGES[topic]
+  if (images[topic]) {
+    const [encoding, bytes] = images[topic]
     assert.deepStrictEqual([message.width, message.height, message.encoding, message.step, message.data.length],
       [WIDTH, HEIGHT, encoding, bytes * WIDTH, bytes * WIDTH * HEIGHT], topic)
   } else if (topic.endsWith('/camera_info')) {
@@ -57,13 +98,14 @@ function checkMessage (topic, message, logTime) {
   } else if (topic === '/stereo/points2') {
     assert.strictEqual(message.data.length, message.point_step * WIDTH * HEIGHT)
   } else if (topic === '/tf_static') {
+    const robot = images === IMAGES ? ['stereo_link'] : [] // scans are placed there
     assert.deepStrictEqual(message.transforms.map(transform => transform.child_frame_id).sort(),
-      ['stereo_left_optical_frame', 'stereo_left_raw_optical_frame', 'stereo_link', 'stereo_right_optical_frame'])
+      ['stereo_left_optical_frame', 'stereo_left_raw_optical_frame', ...robot, 'stereo_right_optical_frame'])
   }
 }
 
-async function main () {
-  const bytes = makeFile()
+/// Returns how many messages each topic has.
+async function check (bytes, images) {
   const readable = {
     size: async () => BigInt(bytes.length),
     read: async (offset, length) => new Uint8Array(bytes.subarray(Number(offset), Number(offset + length)))
@@ -79,15 +121,31 @@ async function main () {
   let all = 0n
   for await (const { channelId, logTime, data } of reader.readMessages({ validateCrcs: true })) {
     const channel = reader.channelsById.get(channelId)
-    checkMessage(channel.topic, readers.get(channel.schemaId).readMessage(data), logTime)
+    const message = readers.get(channel.schemaId).readMessage(data)
+    checkMessage(images, channel.topic, message, logTime)
+    if (images === RAW_OF_DAEMON && channel.topic.endsWith('/camera_info')) {
+      checkRawInfo(channel.topic, message)
+    }
     counts[channel.topic] = (counts[channel.topic] ?? 0) + 1
     ++all
   }
   assert.strictEqual(reader.statistics.messageCount, all)
+  console.log(`${all} messages are read alike`)
+  return counts
+}
+
+async function main () {
+  const counts = await check(makeFile(), IMAGES)
   const expected = [...Object.keys(IMAGES), '/stereo/left/camera_info', '/stereo/right/camera_info', '/stereo/depth/camera_info',
     '/stereo/disparity', '/stereo/points2', '/stereo/scan']
   assert.deepStrictEqual(counts, Object.fromEntries([['/tf_static', 1], ...expected.map(topic => [topic, FRAMES])]))
-  console.log(`${all} messages are read alike`)
+  if (process.argv[3]) {
+    const recorded = await check(recordFile(), RAW_OF_DAEMON)
+    const frames = recorded['/stereo/disparity']
+    assert.ok(frames >= FRAMES)
+    const raw = [...Object.keys(RAW_OF_DAEMON), '/stereo/left/camera_info', '/stereo/right/camera_info', '/stereo/disparity']
+    assert.deepStrictEqual(recorded, Object.fromEntries([['/tf_static', 1], ...raw.map(topic => [topic, frames])]))
+  }
 }
 
 main().catch(error => {

@@ -127,6 +127,21 @@ std::vector<McapTopic> topics_of(const McapParts& parts, const std::string& came
     return topics;
 }
 
+std::vector<McapTopic> raw_topics_of(const std::string& camera) {
+    using ros::Camera;
+    const auto image = [&camera](Camera eye) { return topic_of_eye(camera, eye, "image_raw"); };
+    const auto info = [&camera](Camera eye) { return topic_of_eye(camera, eye, "camera_info"); };
+    return {{Content::raw_left_image, McapPart::raw, image(Camera::left)},
+            {Content::raw_left_info, McapPart::raw, info(Camera::left)},
+            {Content::raw_right_image, McapPart::raw, image(Camera::right)},
+            {Content::raw_right_info, McapPart::raw, info(Camera::right)}};
+}
+
+std::string topic_of_eye(const std::string& camera, ros::Camera eye, std::string_view name) {
+    return ros::default_namespace(mcap_naming, camera) + (eye == ros::Camera::left ? "/left/" : "/right/") +
+           std::string(name);
+}
+
 void check_camera_name(const std::string& name) {
     if (!ros::is_ros_name(name)) {
         throw std::invalid_argument("--camera-name: found '" + name +

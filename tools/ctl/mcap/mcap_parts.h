@@ -3,8 +3,10 @@
 
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "bridges/ros_messages/camera_info_message.h"
 #include "bridges/ros_messages/contents.h"
 #include "bridges/ros_messages/topics.h"
 
@@ -53,6 +55,12 @@ struct McapTopic {
 /// `colour`: the rectified pair is in colour. Where the raw pair is there, camera_info of the eyes is that of their
 /// lenses, which is not made of frames.
 std::vector<McapTopic> topics_of(const McapParts& parts, const std::string& camera, bool colour);
+
+/// Returns the topics of the raw pair as frames of a daemon carry it: of each eye the image and its camera_info.
+std::vector<McapTopic> raw_topics_of(const std::string& camera);
+
+/// Returns the topic of an eye below /CAMERA: "/stereo/left/image_raw" for the name "image_raw".
+std::string topic_of_eye(const std::string& camera, ros::Camera eye, std::string_view name);
 
 /// Throws std::invalid_argument with one line for what is no name of a camera.
 void check_camera_name(const std::string& name);

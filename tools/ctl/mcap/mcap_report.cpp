@@ -2,6 +2,7 @@
 #include "tools/ctl/mcap/mcap_report.h"
 
 #include <iostream>
+#include <utility>
 
 #include "base/message_text.h"
 #include "base/words.h"
@@ -19,11 +20,13 @@ json::Json to_json(const McapReport& report) {
         topics[topic] = messages;
     }
     json::Json all{{"file", report.file}, {"frames", report.frames}, {"messages", report.messages}};
-    if (report.dropped) {
-        all["dropped"] = *report.dropped;
-    }
-    if (report.dropped_samples) {
-        all["dropped_samples"] = *report.dropped_samples;
+    for (const auto& [name, count] : {std::pair("dropped", &report.dropped),
+                                      {"dropped_before", &report.dropped_before},
+                                      {"dropped_samples", &report.dropped_samples},
+                                      {"without_camera_info", &report.without_camera_info}}) {
+        if (*count) {
+            all[name] = **count;
+        }
     }
     all["bytes"] = report.bytes;
     all["topics"] = std::move(topics);
@@ -40,6 +43,13 @@ void print(const McapReport& report) {
     }
     if (report.dropped_samples.value_or(0) > 0) {
         std::cout << ", and " << base::counted(*report.dropped_samples, "sample") << " of the sensors";
+    }
+    if (report.dropped_before.value_or(0) > 0) {
+        std::cout << "; " << *report.dropped_before << " more never came from the daemon, which dropped or lost them";
+    }
+    if (report.without_camera_info.value_or(0) > 0) {
+        std::cout << "; " << base::counted(*report.without_camera_info, "raw pair")
+                  << " without camera_info, as the daemon did not tell of that calibration in time";
     }
     std::cout << '\n';
 }

@@ -19,7 +19,9 @@ struct McapReport {
     std::map<std::string, std::uint64_t> topics = {};  ///< messages of each
     std::optional<std::uint64_t> dropped = {};         ///< frames that were not written, of a daemon that does not wait
     std::optional<std::uint64_t> dropped_samples = {};
-    std::string error = {};  ///< why it ended early; empty: it did not
+    std::optional<std::uint64_t> dropped_before = {};  ///< frames between these that the daemon itself never published
+    std::optional<std::uint64_t> without_camera_info = {};  ///< frames whose raw images have none
+    std::string error = {};                                 ///< why it ended early; empty: it did not
     bool disk_full = false;
     bool interruption_is_usual = false;  ///< as where only a signal ends it
 

@@ -59,13 +59,12 @@ RawPair::RawPair(const capture::SourceInfo& source, const std::string& camera)
     if (source.calibration && gives_distances(*source.calibration)) {
         calibration_ = source.calibration;
     }
-    const std::string prefix = ros::default_namespace(mcap_naming, camera);
-    const std::string image = !rectified_                           ? "/image_raw"
-                              : source.format == PixelFormat::grey8 ? "/image_rect"
-                                                                    : "/image_rect_color";
-    for (const auto& [eye, name] : {std::pair(0U, "/left"), {1U, "/right"}}) {
-        images_[eye] = prefix + name + image;
-        infos_[eye] = prefix + name + "/camera_info";
+    const std::string_view image = !rectified_                           ? "image_raw"
+                                   : source.format == PixelFormat::grey8 ? "image_rect"
+                                                                         : "image_rect_color";
+    for (const auto& [eye, which] : {std::pair(0U, ros::Camera::left), {1U, ros::Camera::right}}) {
+        images_[eye] = topic_of_eye(camera, which, image);
+        infos_[eye] = topic_of_eye(camera, which, "camera_info");
     }
     const ros::FrameNames names = ros::frame_names(mcap_naming, camera);
     frame_ = rectified_ ? names.left : names.raw;

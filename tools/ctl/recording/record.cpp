@@ -375,7 +375,7 @@ void add_mcap(CLI::App& command, RecordArguments& arguments) {
     }
     command
         .add_option("--contents", arguments.contents,
-                    "with --mcap: what the file has, as export --contents has it, but raw; default " +
+                    "with --mcap: what the file has, as export --contents has it (raw: in grey); default " +
                         std::string(usual_recorded_parts))
         ->type_name("WORDS")
         ->needs(mcap);
@@ -438,7 +438,8 @@ void add_record(CLI::App& program, Action& action) {
         "network are too slow, the newest frames win, and those that were dropped are told at the end.\n"
         "Examples: disparityctl record walk.mkv --seconds 60\n"
         "          disparityctl record scene.mkv --source scene:vga@15 --frames 30\n"
-        "          disparityctl record --mcap walk.mcap --seconds 60");
+        "          disparityctl record --mcap walk.mcap --seconds 60\n"
+        "          disparityctl record --mcap walk.mcap --contents raw,imu,tf");
     command.callback([arguments, &action] {
         action = [arguments] {
             if (arguments->stop) {

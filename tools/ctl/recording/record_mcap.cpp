@@ -2,7 +2,9 @@
 #include "tools/ctl/recording/record_mcap.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "tools/ctl/mcap/ros_mcap.h"
 #include "tools/ctl/output_file.h"
 #include "tools/ctl/recording/mcap_queue.h"
+#include "tools/ctl/recording/told_cameras.h"
 
 namespace disparityd::tools {
 namespace {
@@ -53,8 +56,19 @@ Choice choose(const McapRecordArguments& arguments, const McapParts& parts, cons
         std::find(offer.products.begin(), offer.products.end(), Product::left_colour) != offer.products.end();
     Choice choice;
     McapParts served;
+    std::vector<McapTopic> asked;
+    if (parts.contains(McapPart::raw)) {
+        if (offer.calibrated && !offer.lenses) {
+            throw std::invalid_argument(
+                "--contents raw: the daemon tells of no lenses, as its source is rectified already, allowed: "
+                "rectified");
+        }
+        asked = raw_topics_of(arguments.camera);
+    }
+    const std::vector<McapTopic> made = topics_of(parts, arguments.camera, colour);
+    asked.insert(asked.end(), made.begin(), made.end());
     std::vector<std::pair<McapTopic, std::string>> missing;
-    for (const McapTopic& topic : topics_of(parts, arguments.camera, colour)) {
+    for (const McapTopic& topic : asked) {
         if (const auto needs = ros::needs_of(topic.content, offer)) {
             choice.wanted.add(*needs);
             choice.topics.push_back(topic);
@@ -75,16 +89,6 @@ Choice choose(const McapRecordArguments& arguments, const McapParts& parts, cons
     return choice;
 }
 
-McapParts parts_of(const McapRecordArguments& arguments) {
-    McapParts parts = parse_mcap_parts(arguments.contents.empty() ? usual_recorded_parts : arguments.contents);
-    if (parts.contains(McapPart::raw)) {
-        throw std::invalid_argument(
-            "--contents raw: is not recorded from a daemon yet; record the pair as OUT.mkv, then disparityctl export "
-            "OUT.mkv --mcap FILE");
-    }
-    return parts;
-}
-
 /// Refuses a limit that would never be reached.
 void check_limit(const McapRecordArguments& arguments, bool with_frames) {
     if (arguments.frames && !with_frames) {
@@ -92,44 +96,59 @@ void check_limit(const McapRecordArguments& arguments, bool with_frames) {
     }
 }
 
-/// A daemon's answer to what it is, at the begin.
+/// A daemon's answer to what it is.
 struct Daemon {
     v1::Status status;
-    std::optional<disparity::InertialPose> sensor;
+    ToldCameras cameras;
 };
 
-Daemon ask(disparity::SocketClient& client) {
-    const std::string bytes = client.status(std::chrono::seconds(5));
+Daemon ask(disparity::SocketClient& client, milliseconds limit) {
+    const std::string bytes = client.status(limit);
     Daemon daemon;
     if (!daemon.status.ParseFromString(bytes)) {
         throw std::runtime_error("the daemon's status is damaged or of another version");
     }
     const auto inertial = disparity::inertial_calibration(bytes);
-    daemon.sensor = inertial ? inertial->pose : std::nullopt;
+    const v1::Geometry& geometry = daemon.status.geometry();
+    daemon.cameras = {.calibration_id = geometry.calibration_id(),
+                      .baseline_m = geometry.baseline_mm() / 1000,
+                      .sensor = inertial ? inertial->pose : std::nullopt};
+    if (std::optional<ros::RawCalibration> raw = ros::raw_calibration(daemon.status)) {
+        daemon.cameras.raw = std::make_shared<const ros::RawCalibration>(std::move(*raw));
+    }
     return daemon;
+}
+
+bool has_lenses(const std::vector<McapTopic>& topics) {
+    return std::any_of(topics.begin(), topics.end(),
+                       [](const McapTopic& topic) { return topic.content == ros::Content::raw_left_info; });
 }
 
 /// Makes the file with the first message, and with it /tf_static. Used by the queue's thread.
 class RecordedFile {
 public:
-    RecordedFile(const McapRecordArguments& arguments, Choice choice, const Daemon& daemon, bool with_tf)
-        : arguments_(arguments), choice_(std::move(choice)), encoding_(encoding_for_files(arguments.camera)) {
-        if (with_tf) {
-            const ros::TreeOfFrames tree{.names = encoding_.names,
-                                         .right = ros::right_frame_name(mcap_naming, arguments.camera)};
-            transforms_ = ros::static_transforms(tree, daemon.status.geometry().baseline_mm() / 1000, daemon.sensor);
-        }
-    }
+    /// `first` holds for what comes before a frame; `known`, which must outlive this object, has what holds for frames.
+    RecordedFile(const McapRecordArguments& arguments, const McapParts& parts, std::vector<McapTopic> topics,
+                 ToldCameras first, const CamerasByCalibration& known)
+        : arguments_(arguments),
+          parts_(parts),
+          topics_(std::move(topics)),
+          first_(std::move(first)),
+          known_(known),
+          encoding_(encoding_for_files(arguments.camera)) {}
 
     void write(const disparity::Frame& frame) {
-        begin(frame.realtime_ns);
-        file_->write(frame, choice_.topics, encoding_);
+        const std::shared_ptr<const ToldCameras> cameras = known_.of(frame.calibration_id);
+        begin(frame.realtime_ns, cameras ? *cameras : first_);
+        encoding_.raw = cameras ? cameras->raw : nullptr;
+        file_->write(frame, topics_, encoding_);
         file_->end_frame();
+        without_lenses_ += has_lenses(topics_) && !encoding_.raw ? 1U : 0U;
     }
 
     void write(const disparity::SensorSample& sample) {
-        begin(sample.realtime_ns);
-        file_->write(sample, choice_.topics, encoding_.names);
+        begin(sample.realtime_ns, first_);
+        file_->write(sample, topics_, encoding_.names);
     }
 
     void finish() {
@@ -139,29 +158,48 @@ public:
     }
 
     const std::optional<RosMcap>& file() const { return file_; }
+    std::uint64_t without_lenses() const { return without_lenses_; }  ///< frames that were written
 
 private:
-    void begin(std::int64_t realtime_ns) {
+    void begin(std::int64_t realtime_ns, const ToldCameras& cameras) {
         if (file_) {
             return;
         }
         file_.emplace(arguments_.file,
                       arguments_.force ? formats::McapFile::Existing::replaced : formats::McapFile::Existing::refused);
-        file_->write(realtime_ns, transforms_);
+        if (parts_.contains(McapPart::tf)) {
+            file_->write(realtime_ns, transforms_of(cameras));
+        }
+    }
+
+    std::vector<ros::Transform> transforms_of(const ToldCameras& cameras) const {
+        const ros::TreeOfFrames tree{.names = encoding_.names,
+                                     .right = ros::right_frame_name(mcap_naming, arguments_.camera)};
+        std::optional<std::array<double, 9>> turn;
+        if (parts_.contains(McapPart::raw)) {
+            turn = cameras.raw ? ros::left_turn(*cameras.raw) : std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1};
+        }
+        return ros::static_transforms(tree, cameras.baseline_m, cameras.sensor, turn);
     }
 
     const McapRecordArguments& arguments_;
-    const Choice choice_;
-    const ros::Encoding encoding_;
-    std::vector<ros::Transform> transforms_;
+    const McapParts parts_;
+    const std::vector<McapTopic> topics_;
+    const ToldCameras first_;
+    const CamerasByCalibration& known_;
+    ros::Encoding encoding_;  ///< its `raw` is that of the frame which is written
     std::optional<RosMcap> file_;
+    std::uint64_t without_lenses_ = 0;
 };
 
 /// Reads frames and samples, and hands them to the queue. One thread.
 class Reading {
 public:
-    Reading(const McapRecordArguments& arguments, const ros::Wanted& wanted, McapQueue& queue)
-        : arguments_(arguments), queue_(queue) {
+    /// `lenses`: gets what the daemon says of the cameras whenever a frame has a calibration that is not there; null:
+    /// nobody wants to know. It must outlive this object, as the others must.
+    Reading(const McapRecordArguments& arguments, const ros::Wanted& wanted, CamerasByCalibration* lenses,
+            McapQueue& queue)
+        : arguments_(arguments), lenses_(lenses), queue_(queue) {
         if (!wanted.products.empty()) {
             frames_.emplace(connect(arguments.daemon, wanted.products));
         }
@@ -198,10 +236,12 @@ public:
     }
 
     std::uint64_t dropped() const { return skipped_ + queue_.dropped(); }
+    std::uint64_t dropped_before() const { return dropped_before_; }  ///< by the daemon, between those that came
     std::uint64_t dropped_samples() const { return skipped_samples_ + queue_.dropped_samples(); }
 
 private:
     static constexpr milliseconds patience{50};
+    static constexpr milliseconds patience_to_ask{1000};
     static constexpr std::chrono::seconds silence{5};
 
     bool reached(steady_clock::time_point start) const {
@@ -223,9 +263,29 @@ private:
             return false;
         }
         skipped_ += any_ ? frame.skipped : 0;
+        dropped_before_ += any_ ? frame.dropped_before : 0;
         any_ = true;
+        learn_cameras_of(frame);
         queue_.push(std::move(frame));
         return true;
+    }
+
+    /// Asks the daemon where the frame has a calibration that was not told yet: another one replaces it while a daemon
+    /// corrects itself, or after a reload. The frame waits, so that its lenses are known when it is written.
+    void learn_cameras_of(const disparity::Frame& frame) {
+        if (lenses_ == nullptr || lenses_->of(frame.calibration_id) || steady_clock::now() < ask_again_) {
+            return;
+        }
+        try {
+            disparity::Client client = connect(arguments_.daemon, {}, patience_to_ask);
+            lenses_->take(ask(client.socket(), patience_to_ask).cameras);
+        } catch (const std::runtime_error& error) {
+            print_note("the calibration has changed, and the daemon does not say to what: " +
+                       base::failure_text(error));
+        }
+        if (!lenses_->of(frame.calibration_id)) {
+            ask_again_ = steady_clock::now() + patience_to_ask;
+        }
     }
 
     /// Reads what has come, and waits for the first so long. Returns whether there was something.
@@ -247,35 +307,41 @@ private:
     }
 
     const McapRecordArguments& arguments_;
+    CamerasByCalibration* const lenses_;
     McapQueue& queue_;
     std::optional<disparity::Client> frames_, sensors_;
     steady_clock::time_point last_ = steady_clock::now();
+    steady_clock::time_point ask_again_{};
     bool any_ = false;
     std::uint64_t skipped_ = 0;
+    std::uint64_t dropped_before_ = 0;
     std::uint64_t skipped_samples_ = 0;
 };
 
 }  // namespace
 
 int record_mcap(const McapRecordArguments& arguments) {
-    const McapParts parts = parts_of(arguments);
+    const McapParts parts = parse_mcap_parts(arguments.contents.empty() ? usual_recorded_parts : arguments.contents);
     check_camera_name(arguments.camera);
-    check_limit(arguments, needs_matching(parts));
+    check_limit(arguments, needs_matching(parts) || parts.contains(McapPart::raw));
     check_output(arguments.file, arguments.force);
     disparity::Client asking = connect(arguments.daemon);
     catch_interrupts();
-    const Daemon daemon = ask(asking.socket());
+    const Daemon daemon = ask(asking.socket(), patience_to_connect);
     if (daemon.status.products_size() == 0) {
         throw std::runtime_error("the daemon serves nothing yet: " + why_no_frame(arguments.daemon));
     }
     Choice choice = choose(arguments, parts, ros::offer_of(daemon.status));
     const ros::Wanted wanted = choice.wanted;
     check_limit(arguments, !wanted.products.empty());
-    RecordedFile file(arguments, std::move(choice), daemon, parts.contains(McapPart::tf));
+    const bool with_lenses = has_lenses(choice.topics);
+    CamerasByCalibration cameras;
+    cameras.take(daemon.cameras);
+    RecordedFile file(arguments, parts, std::move(choice.topics), daemon.cameras, cameras);
     McapReport report{.file = arguments.file, .interruption_is_usual = true};
     McapQueue queue({.frame = [&file](const disparity::Frame& frame) { file.write(frame); },
                      .sample = [&file](const disparity::SensorSample& sample) { file.write(sample); }});
-    Reading reading(arguments, wanted, queue);
+    Reading reading(arguments, wanted, with_lenses ? &cameras : nullptr, queue);
     const auto keep_reason = [&report](auto&& work) {
         try {
             work();
@@ -292,7 +358,11 @@ int record_mcap(const McapRecordArguments& arguments) {
         file.finish();
     });
     report.dropped = reading.dropped();
+    report.dropped_before = reading.dropped_before();
     report.dropped_samples = reading.dropped_samples();
+    if (with_lenses) {
+        report.without_camera_info = file.without_lenses();
+    }
     report.take(file.file());
     return report.tell(arguments.json);
 }
