@@ -99,21 +99,6 @@ void check_raw(const Config& config, const capture::SourceInfo& source, const ca
     }
 }
 
-pipeline::PipelineConfig pipeline_config(const Config& config, bool live, const std::vector<ConfiguredStage>& stages) {
-    pipeline::PipelineConfig made{
-        .policy = newest_wins(config, live) ? pipeline::Policy::live : pipeline::Policy::replay,
-        .slots = config.pipeline.slots,
-        .depth = config.match.depth,
-        .left_colour = config.rectify.colour,
-        .right_colour = config.rectify.colour && config.rectify.right,
-        .raw = config.rectify.raw,
-        .depth_error = subpixel_error(config)};
-    for (const ConfiguredStage& added : stages) {
-        made.stages.push_back(added.stage.get());
-    }
-    return made;
-}
-
 }  // namespace
 
 Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<void(int, int)> progress)
@@ -136,7 +121,7 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
     check_raw(config_, source(), rectifications_->factory());
     const std::size_t held = large_memory_held();  // by the engine in use, which goes when this one has begun
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
-    pipeline::PipelineConfig made = pipeline_config(config_, source().live, stages_);
+    pipeline::PipelineConfig made = pipeline_config();
     if (on_demand(config_, source().live)) {
         made.wanted = [this] { return wants_frame(); };
     }
@@ -156,6 +141,22 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
     fault_in_large_memory();
 }
 
+/// What the configuration says of the pipeline, but for what may keep frames from beginning.
+pipeline::PipelineConfig Engine::pipeline_config() const {
+    pipeline::PipelineConfig made{
+        .policy = newest_wins(config_, source().live) ? pipeline::Policy::live : pipeline::Policy::replay,
+        .slots = config_.pipeline.slots,
+        .depth = config_.match.depth,
+        .left_colour = config_.rectify.colour,
+        .right_colour = config_.rectify.colour && config_.rectify.right,
+        .raw = config_.rectify.raw,
+        .depth_error = subpixel_error(config_)};
+    for (const ConfiguredStage& added : stages_) {
+        made.stages.push_back(added.stage.get());
+    }
+    return made;
+}
+
 MemoryBounds Engine::memory() const {
     MemoryBounds bounds = serving_memory(config_, layout_, source());
     bounds.engine = base::resident_memory() + base::memory_reserve;
@@ -168,9 +169,7 @@ Engine::~Engine() {
 
 void Engine::start(Sink sink, pipeline::Pipeline::RawTap raw, std::function<bool()> wanted, std::uint64_t first_index) {
     make_self_calibrator();
-    measured_ = std::make_unique<MeasuredWatch>(static_cast<int>(layout_.geometry.width),
-                                                static_cast<int>(layout_.geometry.height), config_.match.options.range,
-                                                source().calibration);
+    make_measured();
     sink_ = std::move(sink);
     raw_ = std::move(raw);
     wanted_ = std::move(wanted);
@@ -193,6 +192,12 @@ void Engine::stop() {
         capture::RawFrame none;
         source_->next(none, steady_clock::now());
     }
+}
+
+void Engine::make_measured() {
+    measured_ = std::make_unique<MeasuredWatch>(static_cast<int>(layout_.geometry.width),
+                                                static_cast<int>(layout_.geometry.height), config_.match.options.range,
+                                                source().calibration);
 }
 
 void Engine::make_self_calibrator() {
@@ -499,38 +504,6 @@ v1::LevelStatus Engine::take_level(const v1::GiveLevel& message, std::uint64_t c
     const auto now = steady_clock::now();
     level_.take(message, client, now);
     return level_.status(now).value_or(v1::LevelStatus());
-}
-
-std::string Engine::work() {
-    workers_.claim_cores();
-    pipeline::FrameSlot slot(*matcher_, {.depth = config_.match.depth, .depth_error = subpixel_error(config_)}, {}, 0);
-    std::minstd_rand random;
-    for (const Plane<std::uint8_t>& eye : {slot.view.left, slot.view.right}) {
-        std::generate_n(eye.row(0), eye.width * eye.height, [&] { return static_cast<std::uint8_t>(random() >> 8); });
-    }
-    constexpr int frames = 3;  // the first has memory and caches to fill
-    auto least = steady_clock::duration::max();
-    auto least_used = std::chrono::nanoseconds::max();
-    for (int frame = 0; frame < frames; ++frame) {
-        const auto begin = steady_clock::now();
-        const auto used = pipeline::processor_time();
-        for (std::size_t stage = 1; stage < matcher_->stages().size(); ++stage) {
-            std::vector<std::chrono::nanoseconds> times(matcher_->stages()[stage].steps.size());
-            matcher_->run(static_cast<int>(stage), slot.view, workers_, times);
-        }
-        least = std::min(least, steady_clock::now() - begin);
-        least_used = std::min(least_used, pipeline::processor_time() - used);
-    }
-    const double budget = config_.pipeline.cores.value_or(0);
-    const double affordable = budget > 0 ? std::chrono::duration<double>(least_used).count() / budget : 0;
-    const double seconds = std::max(std::chrono::duration<double>(least).count(), affordable);
-    const double rate = source().rate;
-    if (rate <= 0 || seconds * rate <= 1 || !newest_wins(config_, source().live)) {
-        return fmt::format("matching takes {:.1f} ms a frame of noise here", 1000 * seconds);
-    }
-    return slower_than_the_source(rate, 1 / seconds, static_cast<int>(layout_.geometry.width),
-                                  static_cast<int>(layout_.geometry.height), config_.match.options.range.count,
-                                  seconds == affordable ? budget : 0);
 }
 
 std::string Engine::workers() const {

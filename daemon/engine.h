@@ -13,6 +13,7 @@
 #include "capture/frame_source.h"
 #include "daemon/config/config.h"
 #include "daemon/configured_source.h"
+#include "daemon/frame_cost.h"
 #include "daemon/level_watch.h"
 #include "daemon/load_watch.h"
 #include "daemon/measured_watch.h"
@@ -128,8 +129,12 @@ public:
     /// own since.
     MemoryBounds memory() const;
 
-    /// Matches a few frames of noise. Returns a line for people with the time that one takes, and where the source's
-    /// are less apart, what would fit. Before start().
+    /// Lets a few frames through all that start() would let them through, as far apart as they would come, but for
+    /// clients and recordings: those of the source, or of noise in place of a camera's. Returns what one costs. Instead
+    /// of start(), once. Throws std::runtime_error when a stage fails or the system refuses threads or memory.
+    FrameCost cost_of_frame();
+
+    /// Returns cost_of_frame() as a line for people, and where frames come faster than that, what would fit.
     std::string work();
 
     /// One line for people: the distances that are measured (calibration/depth_range.h). Empty as long as a camera is
@@ -145,7 +150,10 @@ private:
     Condition condition_of(const pipeline::PipelineStatus& status) const;
     void publish(const pipeline::FrameSlot& slot);
     Plane<const std::uint8_t> record_plane(const pipeline::FrameSlot& slot, v1::Product product) const;
+    pipeline::PipelineConfig pipeline_config() const;
+    FrameLoad load() const;
     void make_self_calibrator();
+    void make_measured();
     void note_rectification(const pipeline::FrameSlot& slot);
     void fill_self_calibration(v1::Status& status) const;
     void note_activity();

@@ -14,6 +14,11 @@ constexpr std::chrono::seconds window_length{10};
 /// for a moment.
 constexpr int windows_in_a_row = 3;
 
+std::string text_of(const FrameRates& rates) {
+    return fmt::format("{:.1f} frames/s come, {}{:.1f} are matched", rates.come, rates.at_most ? "at most " : "",
+                       rates.matched);
+}
+
 }  // namespace
 
 bool LoadWatch::is_due(Time now) const {
@@ -43,23 +48,26 @@ std::string LoadWatch::check(std::uint64_t came, std::uint64_t matched, std::uin
         return {};
     }
     told_ = true;
-    constexpr double hardly_any = 0.05;
-    if (for_budget && matched_rate < hardly_any * came_rate) {
-        return budget_leaves_little(came_rate, matched_rate, budget_);
-    }
-    return slower_than_the_source(came_rate, matched_rate, width_, height_, disparities_, for_budget ? budget_ : 0);
+    const FrameRates rates{came_rate, matched_rate};
+    return for_budget && are_hardly_any(rates)
+               ? budget_leaves_little(rates, budget_)
+               : slower_than_the_source(rates, width_, height_, disparities_, for_budget ? budget_ : 0);
 }
 
-std::string slower_than_the_source(double came_rate, double matched_rate, int width, int height, int disparities,
-                                   double budget) {
+bool are_hardly_any(const FrameRates& rates) {
+    constexpr double hardly_any = 0.05;
+    return rates.matched < hardly_any * rates.come;
+}
+
+std::string slower_than_the_source(const FrameRates& rates, int width, int height, int disparities, double budget) {
     constexpr double spare = 0.9;  // nobody's work is the same for each frame
-    const double share = spare * matched_rate / came_rate;
+    const double share = spare * rates.matched / rates.come;
     constexpr int step = 16;
     constexpr int min_side = 64;
     const std::string why = budget > 0 ? fmt::format("[pipeline] cores = {} is less than matching needs", budget)
                                        : "matching is slower than the source";
-    std::string line = fmt::format("{}: {:.1f} frames/s come, {:.1f} are matched, the others are {}", why, came_rate,
-                                   matched_rate, budget > 0 ? "left out" : "dropped");
+    std::string line =
+        fmt::format("{}: {}, the others are {}", why, text_of(rates), budget > 0 ? "left out" : "dropped");
     const int fewer = static_cast<int>(share * disparities) / step * step;
     const auto side = [&](int length) { return static_cast<int>(std::sqrt(share) * length) / 8 * 8; };
     const std::string smaller = std::min(side(width), side(height)) >= min_side
@@ -72,12 +80,11 @@ std::string slower_than_the_source(double came_rate, double matched_rate, int wi
     return smaller.empty() ? line : line + ": about " + smaller + " would fit";
 }
 
-std::string budget_leaves_little(double came_rate, double matched_rate, double budget) {
+std::string budget_leaves_little(const FrameRates& rates, double budget) {
     return fmt::format(
-        "[pipeline] cores = {} leaves hardly any time for matching: {:.1f} frames/s come, {:.1f} are matched, the "
-        "others are left out: the rest of the daemon (decoding, recording, clients) takes it, or each frame costs "
-        "seconds of it: give more cores",
-        budget, came_rate, matched_rate);
+        "[pipeline] cores = {} leaves hardly any time for matching: {}, the others are left out: the rest of the "
+        "daemon (decoding, recording, clients) takes it, or each frame costs seconds of it: give more cores",
+        budget, text_of(rates));
 }
 
 }  // namespace disparityd::daemon

@@ -8,14 +8,23 @@
 
 namespace disparityd::daemon {
 
-/// Returns a line for people: so many frames per second come and are matched, and about which number of disparities or
-/// size (of these as configured) would fit. `budget`: of [pipeline] cores, which is why; 0: matching takes too long.
-std::string slower_than_the_source(double came_rate, double matched_rate, int width, int height, int disparities,
-                                   double budget = 0);
+/// Frames per second.
+struct FrameRates {
+    double come = 0;
+    double matched = 0;
+    bool at_most = false;  ///< no more than `matched` are matched; false: so many were
+};
 
-/// Returns a line for people: so many frames per second come and hardly any are matched, because of `budget`, of
-/// [pipeline] cores. It names no size: where other work takes the budget, none would fit.
-std::string budget_leaves_little(double came_rate, double matched_rate, double budget);
+/// Whether so few of the frames that come are matched that no other size or number of disparities would help.
+bool are_hardly_any(const FrameRates& rates);
+
+/// Returns a line for people: so many frames come and are matched, and about which number of disparities or size (of
+/// these as configured) would fit. `budget`: of [pipeline] cores, which is why; 0: matching takes too long.
+std::string slower_than_the_source(const FrameRates& rates, int width, int height, int disparities, double budget = 0);
+
+/// Returns a line for people: so many frames come and hardly any are matched, because of `budget`, of [pipeline] cores.
+/// It names no size: where other work takes the budget, none would fit.
+std::string budget_leaves_little(const FrameRates& rates, double budget);
 
 /// Notices when matching takes longer than the source's frames are apart, or more processor time than it may have, so
 /// that frames are dropped all the time. One thread.

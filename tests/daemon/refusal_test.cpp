@@ -143,7 +143,7 @@ TEST_F(RefusalTest, CheckOnlyChecks) {
     EXPECT_EQ(good->wait_for_exit(), 0);
     EXPECT_THAT(good->output(),
                 AllOf(StartsWith("disparityd: note: nothing nearer than "), HasSubstr(" m needs "),
-                      HasSubstr("at 5 m a step of 1/16 px is "), HasSubstr("ms a frame of noise here\n"),
+                      HasSubstr("at 5 m a step of 1/16 px is "), HasSubstr("ms a frame of the source here\n"),
                       HasSubstr("memory at most: "), EndsWith("disparityd: the configuration is valid\n")));
     const auto slow = start(config_text("scene:vga@100?width=320&height=176&loop=8", 640, 352),
                             {"--check", "--set", "match.backend=reference", "--set", "match.method=sgm"});
