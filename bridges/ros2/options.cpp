@@ -239,6 +239,9 @@ BridgeSettings Options::settings() const {
     if (parent_frame.empty() && place != ros::Place()) {
         throw std::invalid_argument("found where the camera is and no --parent-frame, expected both or none");
     }
+    if (no_tf && !parent_frame.empty()) {
+        refuse("--parent-frame", parent_frame, "no place of the camera with --no-tf, as /tf_static alone tells it");
+    }
     settings.tree = {.names = settings.encoding.names,
                      .right = ros::right_frame_name(naming, camera_name),
                      .parent = parent_frame,

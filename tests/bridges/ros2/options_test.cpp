@@ -46,14 +46,13 @@ TEST(Ros2Options, WithoutOptionsMessagesAreReliableAndCloudsAreLight) {
 
 TEST(Ros2Options, EachReachesItsPlace) {
     const Options options = parsed(
-        "--camera-name front --names zed --reliability best-effort --durability transient-local --depth 2 --no-tf "
+        "--camera-name front --names zed --reliability best-effort --durability transient-local --depth 2 "
         "--parent-frame base_link --height-m 0.5 --scan-frame base_footprint --points packed --points-box "
         "0.2,5,-2,2.5,-0.3,1.5 --points-voxel-m 0.05 --scan-hidden ignored --compressed-depth rvl");
     const BridgeSettings settings = options.settings();
     EXPECT_FALSE(settings.quality.reliable);
     EXPECT_TRUE(settings.quality.transient_local);
     EXPECT_EQ(settings.quality.depth, 2);
-    EXPECT_FALSE(settings.publishes_tf);
     EXPECT_EQ(settings.tree.parent, "base_link");
     EXPECT_EQ(settings.tree.place.height_m, 0.5);
     EXPECT_FALSE(settings.tree.places_the_scan);
@@ -65,6 +64,7 @@ TEST(Ros2Options, EachReachesItsPlace) {
     EXPECT_EQ(settings.encoding.cloud.box->left_to, 2.5);
     EXPECT_EQ(settings.encoding.cloud.voxel_m, 0.05);
     EXPECT_EQ(options.node().name_space, "/front/zed_node");
+    EXPECT_FALSE(parsed("--no-tf").settings().publishes_tf);
 }
 
 TEST(Ros2Options, WhatIsWrongIsOneLine) {
@@ -73,6 +73,8 @@ TEST(Ros2Options, WhatIsWrongIsOneLine) {
     EXPECT_THAT(refusal("--namespace /a//b"), HasSubstr("--namespace: found \"/a//b\""));
     EXPECT_THAT(refusal("--node-name 2x"), HasSubstr("--node-name"));
     EXPECT_THAT(refusal("--parent-frame 'base link'"), HasSubstr("--parent-frame"));
+    EXPECT_THAT(refusal("--no-tf --parent-frame base_link"),
+                HasSubstr("--parent-frame: found \"base_link\", allowed: no place of the camera with --no-tf"));
     EXPECT_THAT(refusal("--height-m 0.3"), HasSubstr("no --parent-frame"));
     EXPECT_THAT(refusal("--points-box 1,2,3"), HasSubstr("six numbers"));
     EXPECT_THAT(refusal("--points-box 1,2,3,4,5,6,7"), HasSubstr("three pairs"));
