@@ -22,10 +22,10 @@ macro(pkg_module prefix)
   endif()
 endmacro()
 
-find_package(OpenCVModules 4.5 QUIET COMPONENTS core imgproc calib3d imgcodecs)
+find_package(OpenCVModules 4.5 QUIET COMPONENTS core imgproc calib3d)
 # NVIDIA's Jetsons have all of OpenCV in one package.
-disparityd_need("OpenCV 4.5 (core, imgproc, calib3d, imgcodecs)" "${OpenCVModules_FOUND}"
-  PACKAGES "libopencv-core-dev libopencv-imgproc-dev libopencv-calib3d-dev libopencv-imgcodecs-dev" "libopencv-dev")
+disparityd_need("OpenCV 4.5 (core, imgproc, calib3d)" "${OpenCVModules_FOUND}"
+  PACKAGES "libopencv-core-dev libopencv-imgproc-dev libopencv-calib3d-dev" "libopencv-dev")
 # CMake's own search, from 3.30 on only when asked for: it also takes an unpacked release, which has no package of CMake's.
 if(POLICY CMP0167)
   cmake_policy(SET CMP0167 OLD)
@@ -63,6 +63,12 @@ disparityd_need("libjpeg-turbo 2.0 (turbojpeg)" "${TURBOJPEG_FOUND}" PACKAGES "l
 # Its other interface: only that says what it warns of.
 pkg_module(LIBJPEG libjpeg>=2.0)
 disparityd_need("libjpeg-turbo 2.0 (libjpeg)" "${LIBJPEG_FOUND}" PACKAGES "libjpeg-dev")
+pkg_module(LIBPNG libpng>=1.6)
+disparityd_need("libpng 1.6" "${LIBPNG_FOUND}" PACKAGES "libpng-dev")
+pkg_module(LIBTIFF libtiff-4>=4.3)
+disparityd_need("libtiff 4.3" "${LIBTIFF_FOUND}" PACKAGES "libtiff-dev")
+pkg_module(WEBP libwebp>=1.2)
+disparityd_need("libwebp 1.2" "${WEBP_FOUND}" PACKAGES "libwebp-dev")
 find_package(ZLIB QUIET)
 disparityd_need("zlib" "${ZLIB_FOUND}" PACKAGES "zlib1g-dev")
 find_package(OpenSSL 3.0 QUIET)
@@ -107,10 +113,10 @@ disparityd_need("Highway (libhwy) 1.0.3" "${HIGHWAY_FOUND}" PACKAGES "libhwy-dev
 if(DISPARITYD_TESTS)
   find_package(GTest 1.11 QUIET)
   disparityd_need("GoogleTest 1.11" "${GTest_FOUND}" FOR test PACKAGES "libgtest-dev libgmock-dev")
-  find_package(OpenCVModules 4.5 QUIET COMPONENTS core features2d)
-  # The independent matcher of the self-calibration's tests.
-  disparityd_need("OpenCV 4.5 (features2d)" "${OpenCVModules_FOUND}" FOR test
-    PACKAGES "libopencv-features2d-dev" "libopencv-dev")
+  find_package(OpenCVModules 4.5 QUIET COMPONENTS core features2d imgcodecs)
+  # The independent matcher of the self-calibration's tests, and independent readers and writers of images.
+  disparityd_need("OpenCV 4.5 (features2d, imgcodecs)" "${OpenCVModules_FOUND}" FOR test
+    PACKAGES "libopencv-features2d-dev libopencv-imgcodecs-dev" "libopencv-dev")
   find_package(Boost 1.74 QUIET COMPONENTS context)
   disparityd_need("Boost 1.74 (context)" "${Boost_FOUND}" FOR test PACKAGES "libboost-context-dev")
 endif()

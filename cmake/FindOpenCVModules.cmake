@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# OpenCV by module, so that only libopencv-{core,imgproc,calib3d,imgcodecs}-dev are needed: OpenCVConfig.cmake comes
+# OpenCV by module, so that only libopencv-{core,imgproc,calib3d}-dev are needed: OpenCVConfig.cmake comes
 # with libopencv-dev alone, which pulls in a graphics stack. Gives the targets opencv::<module>.
 
 find_path(OPENCV_INCLUDE_DIR opencv2/core/version.hpp PATH_SUFFIXES opencv4)

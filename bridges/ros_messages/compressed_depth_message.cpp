@@ -6,9 +6,9 @@
 #include <cstring>
 
 #include "bridges/frames/planes.h"
-#include "bridges/frames/png16.h"
 #include "bridges/frames/rvl.h"
 #include "bridges/ros_messages/message_header.h"
+#include "formats/png_writer.h"
 
 namespace disparityd::ros {
 namespace {
@@ -21,7 +21,12 @@ constexpr std::size_t config_bytes = 12;
 
 std::string packed(const PlaneData& plane, DepthCodec codec) {
     if (codec == DepthCodec::png) {
-        return frames::png16_of(plane.bytes, plane.width, plane.height);
+        const formats::PngPixels pixels{.data = plane.bytes.data(),
+                                        .width = static_cast<int>(plane.width),
+                                        .height = static_cast<int>(plane.height),
+                                        .row_bytes = std::size_t{2} * plane.width,
+                                        .bits = 16};
+        return formats::png_of(pixels, formats::PngContent::few_values);
     }
     // Unlike a PNG, RVL does not know the size of the picture.
     const std::array size{plane.width, plane.height};

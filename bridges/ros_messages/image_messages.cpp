@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "bridges/frames/jpeg.h"
 #include "bridges/frames/planes.h"
 #include "bridges/ros_messages/depth_metres.h"
 #include "bridges/ros_messages/message_header.h"
+#include "formats/jpeg_writer.h"
 
 namespace disparityd::ros {
 namespace {
@@ -129,12 +129,12 @@ std::optional<std::string> right_grey_image(const Frame& frame, const FrameNames
 
 std::optional<std::string> left_jpeg(const Frame& frame, int quality, const FrameNames& names) {
     const PlaneData* plane = left_plane(frame);
-    if (plane == nullptr || std::max(plane->width, plane->height) > frames::most_jpeg_side) {
+    if (plane == nullptr || std::max(plane->width, plane->height) > formats::most_jpeg_side) {
         return std::nullopt;
     }
     const bool grey = plane->bytes_per_pixel == 1;
     const int row = static_cast<int>(plane->width * plane->bytes_per_pixel);
-    const std::string jpeg = frames::jpeg_of(
+    const std::string jpeg = formats::jpeg_of(
         {plane->bytes.data(), static_cast<int>(plane->width), static_cast<int>(plane->height), row, grey}, quality);
     CdrWriter cdr(jpeg.size() + room_for_fields);
     write_header(cdr, frame.realtime_ns, names.left);

@@ -2,15 +2,12 @@
 #include "capture/images/image_files.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <new>
 #include <span>
 #include <sstream>
@@ -21,87 +18,16 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <turbojpeg.h>
-#include <zlib.h>
 
 #include "base/failure_text.h"
 #include "base/file_kind.h"
 #include "base/message_text.h"
+#include "capture/images/image_decoders.h"
 
 namespace disparityd::capture {
 namespace {
 
-constexpr std::size_t signature_size = 8;
-constexpr std::size_t frame_size = 12;  // of a chunk: length, name, checksum
-constexpr std::array<std::string_view, 5> of_pixels{"IHDR", "PLTE", "tRNS", "IDAT", "IEND"};
-
-std::uint32_t big_endian_number(std::span<const std::uint8_t> bytes) {
-    return std::uint32_t{bytes[0]} << 24U | std::uint32_t{bytes[1]} << 16U | std::uint32_t{bytes[2]} << 8U | bytes[3];
-}
-
-/// Returns a PNG without the chunks that say nothing about its pixels (colour profiles, texts, times), of which the
-/// decoder would write warnings of its own to stderr. Throws std::invalid_argument with one line, for which `path` is,
-/// where the file was cut off or a checksum of it is wrong.
-std::vector<std::uint8_t> checked_png(std::span<const std::uint8_t> file, const std::string& path) {
-    const auto refuse = [&path](const std::string& why) { throw std::invalid_argument(path + ": is damaged: " + why); };
-    std::vector<std::uint8_t> kept(file.begin(), file.begin() + signature_size);
-    for (std::size_t at = signature_size;;) {
-        const std::size_t left = file.size() - at;
-        if (left < frame_size || big_endian_number(file.subspan(at)) > left - frame_size) {
-            refuse("the PNG file was cut off after " + std::to_string(file.size()) + " bytes");
-        }
-        const std::size_t size = big_endian_number(file.subspan(at));
-        const auto chunk = file.subspan(at, frame_size + size);
-        const auto checked = chunk.subspan(4, 4 + size);
-        const std::string_view name(reinterpret_cast<const char*>(checked.data()), 4);
-        const bool wanted = std::find(of_pixels.begin(), of_pixels.end(), name) != of_pixels.end();
-        if (wanted && ::crc32_z(0, checked.data(), checked.size()) != big_endian_number(chunk.last(4))) {
-            refuse("a checksum of the PNG file is wrong, at byte " + std::to_string(at));
-        }
-        if (wanted) {
-            kept.insert(kept.end(), chunk.begin(), chunk.end());
-        }
-        if (name == "IEND") {
-            return kept;
-        }
-        at += chunk.size();
-    }
-}
-
-struct DestroyDecoder {
-    void operator()(void* decoder) const { tjDestroy(decoder); }
-};
-
-/// Decodes a JPEG: grey as CV_8UC1, colour as CV_8UC3 (blue, green, red). A file that was cut off or is damaged gives
-/// grey areas and shifted blocks without an error of the decoder, which only warns: it is refused here. Throws
-/// std::invalid_argument with one line; `path` is for it.
-cv::Mat decode_jpeg(std::span<const std::uint8_t> file, const std::string& path) {
-    const std::unique_ptr<void, DestroyDecoder> decoder(tjInitDecompress());
-    if (decoder == nullptr) {
-        throw std::bad_alloc();
-    }
-    const auto refuse = [&](const std::string& why) { throw std::invalid_argument(path + ": " + why); };
-    const auto size = static_cast<unsigned long>(file.size());
-    int width = 0, height = 0, subsampling = 0, space = 0;
-    if (tjDecompressHeader3(decoder.get(), file.data(), size, &width, &height, &subsampling, &space) != 0) {
-        refuse(std::string("is a JPEG that cannot be read: ") + tjGetErrorStr2(decoder.get()));
-    }
-    if (space == TJCS_CMYK || space == TJCS_YCCK) {
-        refuse("found a JPEG of four inks (CMYK), allowed are grey and colour: convert it");
-    }
-    const bool grey = space == TJCS_GRAY;
-    cv::Mat image(height, width, grey ? CV_8UC1 : CV_8UC3);
-    if (tjDecompress2(decoder.get(), file.data(), size, image.data, width, static_cast<int>(image.step), height,
-                      grey ? TJPF_GRAY : TJPF_BGR, TJFLAG_ACCURATEDCT) != 0) {
-        refuse(std::string("is damaged: ") + tjGetErrorStr2(decoder.get()));
-    }
-    return image;
-}
-
-constexpr int largest_side = 8192;
 constexpr const char* kinds = "PNG, JPEG, PBM, PGM, PPM, PFM, BMP, TIFF, WebP";
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
@@ -119,7 +45,7 @@ ImageSize checked_size(std::istream& file, const std::string& path) {
     if (!size) {
         refuse(path, std::string("is not an image that can be read (") + kinds + "), or is damaged");
     }
-    if (size->width > largest_side || size->height > largest_side) {
+    if (size->width > largest_image_side || size->height > largest_image_side) {
         refuse(path,
                "found " + base::size_text(size->width, size->height) + " pixels, allowed are up to 8192 on a side");
     }
@@ -167,55 +93,47 @@ std::vector<std::uint8_t> all_bytes(std::ifstream& file, const std::string& path
     return bytes;
 }
 
-bool begins_with(const std::vector<std::uint8_t>& bytes, std::string_view text) {
-    return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
-}
-
-/// The decoders of OpenCV write lines of their own to stderr. What they would complain of is looked for before.
-cv::Mat decode(std::vector<std::uint8_t> bytes, const std::string& path) {
-    if (begins_with(bytes, "\xff\xd8")) {
-        return decode_jpeg(bytes, path);
+/// Decodes a file that read_image_header() knows.
+cv::Mat decode(const std::vector<std::uint8_t>& bytes, const std::string& path) {
+    constexpr std::size_t least = 8;  // it may be another file by now
+    if (bytes.size() < least) {
+        refuse_cut_image(path, bytes.size(), least);
     }
-    if (begins_with(bytes, "\x89PNG\r\n\x1a\n")) {
-        bytes = checked_png(bytes, path);
-    } else if (const auto least = least_size(bytes); least && bytes.size() < *least) {
-        refuse(path, "is damaged: the file was cut off, " + std::to_string(bytes.size()) + " of " +
-                         std::to_string(*least) + " bytes are there");
+    switch (bytes[0]) {
+        case 0x89: return decode_png(bytes, path);
+        case 0xff: return decode_jpeg(bytes, path);
+        case 'P': return decode_pnm(bytes, path);
+        case 'B': return decode_bmp(bytes, path);
+        case 'R': return decode_webp(bytes, path);
+        default: return decode_tiff(bytes, path);  // it begins with the byte order, II or MM
     }
-    if (is_text_image(bytes)) {
-        if (is_cut_text_image(bytes)) {
-            refuse(path, "is damaged: the file was cut off, values are missing");
-        }
-        bytes.push_back('\n');  // OpenCV wants to read on behind the last number
-    }
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
 }
 
 /// Decodes the bytes of an image whose header was checked. `take_bytes` may want more memory than there is, too.
 template <class TakeBytes>
 cv::Mat decode_of_size(TakeBytes&& take_bytes, ImageSize size, const std::string& path) {
-    cv::Mat image;
     const auto no_memory = [&] {
         return std::runtime_error(path + ": there is not enough memory for an image of " +
                                   base::size_text(size.width, size.height) + " pixels");
     };
     try {
-        image = decode(take_bytes(), path);
+        return decode(take_bytes(), path);
     } catch (const std::bad_alloc&) {
         throw no_memory();
     } catch (const cv::Exception& error) {
         if (error.code == cv::Error::StsNoMem) {
             throw no_memory();
         }
+        throw;
     }
-    if (image.empty()) {
-        refuse(path, std::string("is damaged, or no image of a kind that can be read (") + kinds + ")");
-    }
-    return image;
 }
 
 }  // namespace
+
+void refuse_cut_image(const std::string& path, std::uint64_t found, std::uint64_t least) {
+    refuse(path, "is damaged: the file was cut off, " + std::to_string(found) + " of " + std::to_string(least) +
+                     " bytes are there");
+}
 
 std::optional<ImageSize> peek_image_size(const std::string& path) {
     if (!base::is_file(path)) {

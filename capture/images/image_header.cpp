@@ -10,8 +10,6 @@
 #include <string>
 #include <string_view>
 
-#include "base/little_endian.h"
-
 namespace disparityd::capture {
 
 namespace {
@@ -62,32 +60,6 @@ std::optional<ImageSize> size_of_png(std::istream& file, std::string_view head) 
         return std::nullopt;
     }
     return Bytes(file, true).size(16, 20, 4);
-}
-
-/// Reads the numbers behind the magic number, with comments between; returns where the last of them ends, 0 where one
-/// is missing.
-std::size_t read_pnm_numbers(std::string_view head, std::span<std::uint64_t> numbers) {
-    std::size_t at = 2;
-    for (std::uint64_t& number : numbers) {
-        for (;;) {
-            while (at < head.size() && std::isspace(static_cast<unsigned char>(head[at])) != 0) {
-                ++at;
-            }
-            if (at >= head.size() || head[at] != '#') {
-                break;
-            }
-            at = std::min(head.find('\n', at), head.size());
-        }
-        const std::size_t start = at;
-        while (at < head.size() && std::isdigit(static_cast<unsigned char>(head[at])) != 0 && at - start < 18) {
-            number = 10 * number + static_cast<std::uint64_t>(head[at] - '0');
-            ++at;
-        }
-        if (at == start || at == head.size()) {
-            return 0;
-        }
-    }
-    return at;
 }
 
 std::optional<ImageSize> size_of_pnm(std::string_view head) {
@@ -279,31 +251,31 @@ int orientation_in_chunks(std::istream& file, bool png, std::uint64_t wanted) {
     return 1;
 }
 
-/// Rows of pixels lie behind each other, each of a multiple of four bytes; with run lengths they have no size of their
-/// own.
-std::optional<std::uint64_t> least_size_of_bmp(std::span<const std::uint8_t> file) {
-    constexpr std::size_t header_size = 34;
-    constexpr std::uint64_t most = 1U << 16U;
-    constexpr std::uint64_t plain = 0, bit_fields = 3;
-    if (file.size() < header_size) {
-        return header_size;
-    }
-    const auto number = [&](std::size_t at, std::size_t bytes) {
-        return base::get_little_endian(file.data() + at, bytes);
-    };
-    const bool old = number(14, 4) == 12;
-    const std::uint64_t compression = old ? plain : number(30, 4);
-    const std::uint64_t width = old ? number(18, 2) : number(18, 4);
-    const std::uint64_t height = old ? number(20, 2) : number(22, 4);
-    const std::uint64_t rows = !old && height > 0x80000000U ? 0x100000000U - height : height;
-    if ((compression != plain && compression != bit_fields) || width > most || rows > most) {
-        return std::nullopt;
-    }
-    const std::uint64_t row = (width * number(old ? 24 : 28, 2) + 31) / 32 * 4;
-    return number(10, 4) + rows * row;
-}
-
 }  // namespace
+
+std::size_t read_pnm_numbers(std::string_view head, std::span<std::uint64_t> numbers) {
+    std::size_t at = 2;
+    for (std::uint64_t& number : numbers) {
+        for (;;) {
+            while (at < head.size() && std::isspace(static_cast<unsigned char>(head[at])) != 0) {
+                ++at;
+            }
+            if (at >= head.size() || head[at] != '#') {
+                break;
+            }
+            at = std::min(head.find('\n', at), head.size());
+        }
+        const std::size_t start = at;
+        while (at < head.size() && std::isdigit(static_cast<unsigned char>(head[at])) != 0 && at - start < 18) {
+            number = 10 * number + static_cast<std::uint64_t>(head[at] - '0');
+            ++at;
+        }
+        if (at == start || at == head.size()) {
+            return 0;
+        }
+    }
+    return at;
+}
 
 std::optional<ImageSize> read_image_header(std::istream& file) {
     std::array<char, head_size> bytes{};
@@ -360,42 +332,6 @@ std::optional<std::uint64_t> read_largest_value(std::istream& file) {
     const bool states_it =
         head.starts_with("P2") || head.starts_with("P3") || head.starts_with("P5") || head.starts_with("P6");
     return states_it && read_pnm_numbers(head, numbers) != 0 ? std::optional(numbers[2]) : std::nullopt;
-}
-
-bool is_text_image(std::span<const std::uint8_t> file) {
-    return file.size() > 2 && file[0] == 'P' && file[1] >= '1' && file[1] <= '3';
-}
-
-bool is_cut_text_image(std::span<const std::uint8_t> file) {
-    const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
-    const bool bitmap = file[1] == '1';  // its digits may stand together
-    std::array<std::uint64_t, 3> numbers{};
-    std::size_t at = read_pnm_numbers(text.substr(0, head_size), std::span(numbers).first(bitmap ? 2 : 3));
-    std::uint64_t values = 0;
-    for (bool inside = false; at != 0 && at < text.size(); ++at) {
-        const bool digit = std::isdigit(static_cast<unsigned char>(text[at])) != 0;
-        values += digit && (bitmap || !inside) ? 1 : 0;
-        inside = digit;
-    }
-    return values < numbers[0] * numbers[1] * (file[1] == '3' ? 3 : 1);
-}
-
-std::optional<std::uint64_t> least_size(std::span<const std::uint8_t> file) {
-    const std::string_view head(reinterpret_cast<const char*>(file.data()), std::min(file.size(), head_size));
-    if (head.starts_with("BM")) {
-        return least_size_of_bmp(file);
-    }
-    const bool bitmap = head.starts_with("P4");
-    if (!bitmap && !head.starts_with("P5") && !head.starts_with("P6")) {
-        return std::nullopt;
-    }
-    std::array<std::uint64_t, 3> numbers{};  // width, height, largest value, which bitmaps do not have
-    const std::size_t end = read_pnm_numbers(head, std::span(numbers).first(bitmap ? 2 : 3));
-    const std::uint64_t bytes = (head[1] == '6' ? 3U : 1U) * (numbers[2] > 255 ? 2U : 1U);
-    const std::uint64_t row = bitmap ? (numbers[0] + 7) / 8 : numbers[0] * bytes;
-    constexpr std::uint64_t most = 1U << 16U;
-    return end == 0 || numbers[0] > most || numbers[1] > most ? std::nullopt
-                                                              : std::optional(end + 1 + numbers[1] * row);
 }
 
 }  // namespace disparityd::capture

@@ -5,6 +5,7 @@
 #include <istream>
 #include <optional>
 #include <span>
+#include <string_view>
 
 namespace disparityd::capture {
 
@@ -25,17 +26,11 @@ std::optional<ImageSize> read_image_header(std::istream& file);
 /// nothing.
 int read_image_orientation(std::istream& file);
 
-/// Returns how many bytes a binary PBM, PGM or PPM, or a BMP without run lengths, has at least, by its header; nothing
-/// for all other files.
-std::optional<std::uint64_t> least_size(std::span<const std::uint8_t> file);
-
 /// Returns the largest value that a PGM or PPM states for its pixels; nothing for all other files.
 std::optional<std::uint64_t> read_largest_value(std::istream& file);
 
-/// Whether the file is a PBM, PGM or PPM of numbers as text.
-bool is_text_image(std::span<const std::uint8_t> file);
-
-/// Whether such a file holds fewer numbers than its header says.
-bool is_cut_text_image(std::span<const std::uint8_t> file);
+/// Reads the numbers behind the magic number of a PBM, PGM or PPM, with comments between. Returns where the last of
+/// them ends; 0 where one is missing.
+std::size_t read_pnm_numbers(std::string_view head, std::span<std::uint64_t> numbers);
 
 }  // namespace disparityd::capture

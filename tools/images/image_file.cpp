@@ -6,10 +6,8 @@
 #include <cerrno>
 #include <filesystem>
 #include <stdexcept>
-#include <vector>
 
 #include <fcntl.h>
-#include <opencv2/imgcodecs.hpp>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,6 +15,8 @@
 #include "base/write_failure.h"
 #include "base/write_target.h"
 #include "capture/images/image_files.h"
+#include "formats/jpeg_writer.h"
+#include "formats/png_writer.h"
 
 namespace disparityd::images {
 namespace {
@@ -56,18 +56,14 @@ void replace(const std::string& path, const base::WriteTarget& target, int besid
     }
 }
 
-void write_encoded(const std::string& path, const cv::Mat& picture, const char* format,
-                   const std::vector<int>& parameters) {
-    std::vector<std::uint8_t> bytes;
-    bool encoded = false;
+/// Writes what `encode` makes; what it throws gets the name of the file.
+template <typename Encode>
+void write_encoded(const std::string& path, const Encode& encode) {
+    std::string bytes;
     try {
-        encoded = cv::imencode(format, picture, bytes, parameters);
-    } catch (const cv::Exception&) {
-        encoded = false;
-    }
-    if (!encoded) {
-        throw std::runtime_error(path + ": a picture of " + std::to_string(picture.cols) + " x " +
-                                 std::to_string(picture.rows) + " pixels cannot be stored as " + (format + 1));
+        bytes = encode();
+    } catch (const std::runtime_error& refusal) {
+        throw std::runtime_error(path + ": " + refusal.what());
     }
     write_file(path, bytes);
 }
@@ -100,7 +96,11 @@ void write_file(const std::string& path, std::string_view text) {
 }
 
 void write_png(const std::string& path, const cv::Mat& picture) {
-    write_encoded(path, picture, ".png", {});
+    write_encoded(path, [&] {
+        return formats::png_of({picture.data, picture.cols, picture.rows, picture.step, picture.channels(),
+                                static_cast<int>(8 * picture.elemSize1())},
+                               formats::PngContent::picture);
+    });
 }
 
 void check_ending(const std::string& path, std::initializer_list<const char*> allowed) {
@@ -133,8 +133,14 @@ void write_picture(const std::string& path, const cv::Mat& picture) {
         write_png(path, picture);
     } else {
         constexpr int quality = 95;  // text and thin lines stay sharp
-        write_encoded(path, picture, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
+        write_encoded(path, [&] { return jpeg_of(picture, quality); });
     }
+}
+
+std::string jpeg_of(const cv::Mat& picture, int quality) {
+    return formats::jpeg_of(
+        {picture.data, picture.cols, picture.rows, static_cast<int>(picture.step), picture.channels() == 1}, quality,
+        formats::JpegTransform::accurate);
 }
 
 cv::Mat read_image(const std::string& path) {

@@ -36,6 +36,10 @@ void check_picture_name(const std::string& path);
 /// std::invalid_argument for another ending; other errors as write_file.
 void write_picture(const std::string& path, const cv::Mat& picture);
 
+/// Returns an 8-bit picture, grey or blue, green, red, as a JPEG of this quality, 1 to 100. The same picture gives the
+/// same bytes with the same libjpeg-turbo.
+std::string jpeg_of(const cv::Mat& picture, int quality);
+
 /// Reads a picture as it is stored. Throws as capture::decode_image() does.
 cv::Mat read_image(const std::string& path);
 

@@ -14,19 +14,19 @@
 #include <opencv2/imgproc.hpp>
 #include <zlib.h>
 
-#include "bridges/frames/jpeg.h"
 #include "bridges/frames/planes.h"
 #include "bridges/web/images/colours.h"
 #include "clients/cpp/nearest_pixel.h"
+#include "formats/jpeg_writer.h"
 
 namespace disparityd::web {
 namespace {
 
 using disparity::PlaneData;
 using disparity::Product;
+using formats::jpeg_of;
 using frames::depth_mm;
 using frames::has_metres;
-using frames::jpeg_of;
 using frames::value_at;
 
 std::string deflated(const void* data, std::size_t bytes) {

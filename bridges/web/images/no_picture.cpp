@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "bridges/frames/jpeg.h"
+#include "formats/jpeg_writer.h"
 
 namespace disparityd::web {
 
@@ -21,7 +21,7 @@ std::string no_picture_jpeg(int width, int height) {
     const cv::Size size = cv::getTextSize(words, font, scale, thickness, &below);
     const cv::Point at((width - size.width) / 2, (height + size.height) / 2);
     cv::putText(picture, words, at, font, scale, cv::Scalar(200), thickness, cv::LINE_AA);
-    return frames::jpeg_of({picture.data, picture.cols, picture.rows, static_cast<int>(picture.step), true}, quality);
+    return formats::jpeg_of({picture.data, picture.cols, picture.rows, static_cast<int>(picture.step), true}, quality);
 }
 
 }  // namespace disparityd::web

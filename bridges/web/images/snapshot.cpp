@@ -6,9 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "bridges/frames/planes.h"
+#include "formats/png_writer.h"
 
 namespace disparityd::web {
 namespace {
@@ -104,12 +103,10 @@ std::size_t append_row(std::string& bytes, const Frame& frame, const cv::Mat& le
 }  // namespace
 
 std::string png_of(const LiveFrame& live, Image image) {
-    std::vector<std::uint8_t> bytes;
-    constexpr int quick = 1;
-    if (!cv::imencode(".png", picture_of(live.frame, image), bytes, {cv::IMWRITE_PNG_COMPRESSION, quick})) {
-        throw std::runtime_error("the image cannot be written as PNG");
-    }
-    return {bytes.begin(), bytes.end()};
+    const cv::Mat picture = picture_of(live.frame, image);
+    return formats::png_of({picture.data, picture.cols, picture.rows, picture.step, picture.channels(),
+                            static_cast<int>(8 * picture.elemSize1())},
+                           formats::PngContent::picture);
 }
 
 std::string ply_of(const LiveFrame& live) {

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "tools/eval/conditions/course_in_conditions.h"
@@ -65,9 +64,7 @@ cv::Mat row_of(const Condition& condition, const CourseInConditions& course) {
 
 void write(const std::string& path, const cv::Mat& picture) {
     constexpr int quality = 42;
-    std::vector<std::uint8_t> bytes;
-    cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_JPEG_OPTIMIZE, 1});
-    images::write_file(path, bytes);
+    images::write_file(path, images::jpeg_of(picture, quality));
 }
 
 }  // namespace

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
+#include "capture/images/image_decoders.h"
+#include "tools/images/image_file.h"
 
 namespace disparityd::eval {
 namespace {
@@ -53,9 +54,8 @@ EyeError look_later(double degrees, Draws& draws) {
 
 void compress(EyePair& images, double quality, Draws& /*draws*/) {
     for (cv::Mat& image : images) {
-        std::vector<std::uint8_t> bytes;
-        cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, static_cast<int>(quality)});
-        image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+        const std::string bytes = images::jpeg_of(image, static_cast<int>(quality));
+        image = capture::decode_jpeg({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "a frame");
     }
 }
 

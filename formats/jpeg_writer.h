@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace disparityd::frames {
+namespace disparityd::formats {
 
 /// A JPEG has no side that is longer, px.
 inline constexpr std::uint32_t most_jpeg_side = 65500;
@@ -18,8 +18,11 @@ struct JpegPixels {
     bool grey = true;   ///< one byte per pixel, else three
 };
 
+/// How the cosine transform is computed: fast ones differ from the accurate one by a step or two of a value.
+enum class JpegTransform { fast, accurate };
+
 /// Compresses a picture; `quality` is 1 .. 100. Each thread has a compressor of its own. Throws std::runtime_error with
 /// one line when the library refuses.
-std::string jpeg_of(const JpegPixels& pixels, int quality);
+std::string jpeg_of(const JpegPixels& pixels, int quality, JpegTransform transform = JpegTransform::fast);
 
-}  // namespace disparityd::frames
+}  // namespace disparityd::formats

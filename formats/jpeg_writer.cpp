@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/frames/jpeg.h"
+#include "formats/jpeg_writer.h"
 
 #include <stdexcept>
 
 #include <turbojpeg.h>
 
-namespace disparityd::frames {
+namespace disparityd::formats {
 namespace {
 
 /// Owns the library's state.
@@ -13,13 +13,14 @@ class JpegCompressor {
 public:
     ~JpegCompressor() { tjDestroy(handle_); }
 
-    std::string compress(const JpegPixels& pixels, int quality) {
+    std::string compress(const JpegPixels& pixels, int quality, JpegTransform transform) {
         const int sampling = pixels.grey ? TJSAMP_GRAY : TJSAMP_420;
         std::string bytes(tjBufSize(pixels.width, pixels.height, sampling), '\0');
         auto* to = reinterpret_cast<unsigned char*>(bytes.data());
         unsigned long size = bytes.size();
+        const int flags = TJFLAG_NOREALLOC | (transform == JpegTransform::accurate ? TJFLAG_ACCURATEDCT : 0);
         if (tjCompress2(handle_, pixels.data, pixels.width, pixels.row_bytes, pixels.height,
-                        pixels.grey ? TJPF_GRAY : TJPF_BGR, &to, &size, sampling, quality, TJFLAG_NOREALLOC) != 0) {
+                        pixels.grey ? TJPF_GRAY : TJPF_BGR, &to, &size, sampling, quality, flags) != 0) {
             throw std::runtime_error(std::string("an image cannot be compressed: ") + tjGetErrorStr2(handle_));
         }
         bytes.resize(size);
@@ -32,9 +33,9 @@ private:
 
 }  // namespace
 
-std::string jpeg_of(const JpegPixels& pixels, int quality) {
+std::string jpeg_of(const JpegPixels& pixels, int quality, JpegTransform transform) {
     thread_local JpegCompressor compressor;
-    return compressor.compress(pixels, quality);
+    return compressor.compress(pixels, quality, transform);
 }
 
-}  // namespace disparityd::frames
+}  // namespace disparityd::formats
