@@ -16,6 +16,7 @@
 #include "tools/eval/benchmark/result_files.h"
 #include "tools/eval/benchmark/sparsification.h"
 #include "tools/images/disparity_file.h"
+#include "tools/images/fill_holes.h"
 
 namespace disparityd::eval {
 namespace {
@@ -31,12 +32,19 @@ TEST(FillFromBackground, TheSmallerOfBothSidesThenWholeRows) {
                                       hole, hole, hole, hole,  //
                                       7,    hole, hole, 9,     //
                                       hole, hole, hole, hole}};
-    EXPECT_THAT(fill_from_background(map).values, ElementsAre(5, 5, 3, 3,              //
-                                                              5, 5, 3, 3,              //
-                                                              hole, hole, hole, hole,  //
-                                                              7, 7, 7, 9,              //
-                                                              7, 7, 7, 9));
-    EXPECT_THAT(fill_from_background({2, 1, {hole, hole}}).values, ElementsAre(hole, hole));
+    EXPECT_THAT(images::fill_from_background(map).values, ElementsAre(5, 5, 3, 3,              //
+                                                                      5, 5, 3, 3,              //
+                                                                      hole, hole, hole, hole,  //
+                                                                      7, 7, 7, 9,              //
+                                                                      7, 7, 7, 9));
+    EXPECT_THAT(images::fill_from_background({2, 1, {hole, hole}}).values, ElementsAre(hole, hole));
+    EXPECT_THAT(images::fill_all(map).values, ElementsAre(5, 5, 3, 3,  //
+                                                          5, 5, 3, 3,  //
+                                                          5, 5, 3, 3,  //
+                                                          7, 7, 7, 9,  //
+                                                          7, 7, 7, 9))
+        << "every pixel";
+    EXPECT_THAT(images::fill_all({1, 2, {hole, hole}}).values, ElementsAre(hole, hole));
 }
 
 TEST(RegionTallies, HolesAreBadOrLeftOutAndErrorsAreOfTheOthers) {
@@ -53,7 +61,7 @@ TEST(RegionTallies, HolesAreBadOrLeftOutAndErrorsAreOfTheOthers) {
     const RegionTally left_out = tally(map, map.disparity, truth, all, Holes::left_out);
     EXPECT_EQ(left_out.judged, 4U);
     EXPECT_THAT(left_out.bad, ElementsAre(2, 2, 2, 2, 0));
-    const RegionTally filled = tally(map, fill_from_background(map.disparity), truth, all, Holes::filled);
+    const RegionTally filled = tally(map, images::fill_from_background(map.disparity), truth, all, Holes::filled);
     EXPECT_THAT(filled.bad, ElementsAre(3, 3, 3, 3, 0)) << "the hole is filled with 13.5";
     EXPECT_EQ(filled.measured, 4U);
     EXPECT_EQ(filled.with_error, 5U);
@@ -111,6 +119,7 @@ TEST(ResultFilesOf, AFolderOrAPattern) {
     for (const auto& [file, scene] : {std::pair("training/1.pfm", "training/1"),
                                       {"2.pfm", "training/2"},
                                       {"disp_0/3.pfm", "training/3"},
+                                      {"low_res_two_view/delivery.pfm", "delivery"},
                                       {"alley_1_f.pfm", "alley_1/f"},
                                       {"Piano/disp0ABC.pfm", "Piano"},
                                       {"Pipes/disp0.pfm", "training/Pipes"}}) {

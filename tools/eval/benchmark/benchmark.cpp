@@ -13,6 +13,7 @@
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
 #include "tools/eval/benchmark/error_page.h"
+#include "tools/images/fill_holes.h"
 
 namespace disparityd::eval {
 namespace {
@@ -188,7 +189,7 @@ private:
              const std::vector<RegionMask>& regions) {
         std::optional<images::FloatMap> filled;
         if (request_.holes == Holes::filled) {
-            filled = fill_from_background(map.disparity);
+            filled = images::fill_from_background(map.disparity);
         }
         const images::FloatMap& judged = filled ? *filled : map.disparity;
         std::vector<BenchmarkCell> cells;

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <string_view>
 
-#include "tools/images/disparity_map.h"
-
 namespace disparityd::eval {
 
 /// How pixels of a result that have no disparity are judged. Errors in px are always of those that have one.
@@ -14,16 +12,11 @@ enum class Holes : std::uint8_t {
     bad,
     /// They do not count: bad-x and D1 are shares of the pixels that have a disparity, whose share is the density.
     left_out,
-    /// They are filled before, as KITTI fills them: fill_from_background(). What stays is bad.
+    /// They are filled before, as KITTI fills them: images::fill_from_background(). What stays is bad.
     filled,
 };
 
 /// Its word on the command line: bad, left-out, filled.
 std::string_view name(Holes holes);
-
-/// Fills holes as KITTI's development kits do before they count: within a row with the smaller of the two disparities
-/// beside the hole, at a row's ends with the one beside it; then the rows at the top that have no disparity at all as
-/// the first one that has, those at the bottom as the last. Such rows in between stay, and so does a map without any.
-images::FloatMap fill_from_background(images::FloatMap map);
 
 }  // namespace disparityd::eval

@@ -69,6 +69,7 @@ std::vector<fs::path> stems_of(const fs::path& folder, const std::string& scene)
     }
     stems.push_back(folder / replaced(scene, "/", "_"));
     stems.push_back(folder / "disp_0" / name.frame);
+    stems.push_back(folder / "low_res_two_view" / name.frame);
     return stems;
 }
 
