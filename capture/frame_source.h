@@ -170,6 +170,8 @@ struct SourceKind {
     bool (*accepts)(const std::string& uri);
     std::unique_ptr<FrameSource> (*open)(const SourceOptions& options);
     bool is_kept = false;  ///< a file or a folder, whose frames wait for whoever takes them
+    /// Such a one may take its calibration from SourceOptions::calibration_folders: its files do not say all of it.
+    bool calibrated_elsewhere = false;
 };
 
 const std::vector<SourceKind>& source_kinds();

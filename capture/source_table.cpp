@@ -39,7 +39,7 @@ const std::vector<SourceKind>& source_kinds() {
         {"svo2",
          "experimental: a recording of the ZED SDK from 4.1 on, with the calibration of its camera's serial number: "
          "recording.svo2",
-         is_svo, open_svo, true},
+         is_svo, open_svo, true, true},
         {"folder",
          "a folder of Middlebury, KITTI or EuRoC images, or with left/ and right/; two folders LEFT,RIGHT; a pair "
          "left.png,right.png; or a pattern: left_%04d.png,right_%04d.png; "

@@ -199,12 +199,30 @@ std::string first_existing(std::initializer_list<fs::path> candidates) {
     return {};
 }
 
+/// The same as find_image() of a folder that holds the images of these names, without a look at it for each.
+std::string find_among(const std::vector<std::string>& names, const std::string& folder, const std::string& stem) {
+    for (const std::string_view ending : endings) {
+        const std::string name = stem + std::string(ending);
+        if (std::binary_search(names.begin(), names.end(), name) && base::is_file(fs::path(folder) / name)) {
+            return (fs::path(folder) / name).string();
+        }
+    }
+    // Cameras write endings, and people names, in capitals.
+    for (const std::string& name : names) {
+        if (base::lower_case(fs::path(name).stem().string()) == base::lower_case(stem)) {
+            return (fs::path(folder) / name).string();
+        }
+    }
+    return {};
+}
+
 std::optional<ImageSequence> find_middlebury(const std::string& folder) {
     // Scenes of nine views have their ground truth for views 2 and 6 (2001, 2003) or 1 and 5 (2005, 2006).
     constexpr std::array<std::pair<const char*, const char*>, 6> pairs{
         {{"left", "right"}, {"im2", "im6"}, {"im0", "im1"}, {"view1", "view5"}, {"view0", "view1"}, {"imL", "imR"}}};
+    const std::vector<std::string> names = base::is_folder(folder) ? image_names(folder) : std::vector<std::string>();
     for (const auto& [left, right] : pairs) {
-        ImageSequence::Frame frame{find_image(folder, left), find_image(folder, right), 0, {}};
+        ImageSequence::Frame frame{find_among(names, folder, left), find_among(names, folder, right), 0, {}};
         if (!frame.left.empty() && !frame.right.empty()) {
             ImageSequence sequence;
             sequence.rectified = true;
@@ -322,13 +340,7 @@ std::string find_image(const std::string& folder, const std::string& stem) {
             return path.string();
         }
     }
-    // Cameras write endings, and people names, in capitals.
-    for (const std::string& name : base::is_folder(folder) ? image_names(folder) : std::vector<std::string>()) {
-        if (base::lower_case(fs::path(name).stem().string()) == base::lower_case(stem)) {
-            return (fs::path(folder) / name).string();
-        }
-    }
-    return {};
+    return base::is_folder(folder) ? find_among(image_names(folder), folder, stem) : std::string();
 }
 
 KittiFolders find_kitti_folders(const std::string& folder) {

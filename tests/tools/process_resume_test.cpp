@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/calibration/calibration_texts.h"
 #include "tests/tools/made_input.h"
 #include "tests/tools/run_program.h"
 #include "tools/images/image_file.h"
@@ -234,6 +235,39 @@ TEST_F(ProcessResumeTest, WhatWasBegunOfAnotherSourceIsRefused) {
     EXPECT_EQ(files_in(path("out")), before);
     EXPECT_EQ(resume(scene, {"--scan", scan}).exit_code, 0);
     EXPECT_THAT(read_file(scan), Not(HasSubstr("somebody")));
+}
+
+TEST_F(ProcessResumeTest, ACalibrationThatChangedIsRefused) {
+    calibration::test::Rig rig;
+    const auto sensor = [&](int eye) { return path("euroc/mav0/cam" + std::to_string(eye) + "/sensor.yaml"); };
+    for (const int eye : {0, 1}) {
+        const std::string camera = path("euroc/mav0/cam" + std::to_string(eye));
+        std::filesystem::create_directories(camera + "/data");
+        write_text(camera + "/data.csv", "#timestamp [ns],filename\n1520530308199447626,a.png\n");
+        images::write_png(camera + "/data/a.png", cv::Mat(rig.height, rig.width, CV_8UC1, cv::Scalar(90)));
+        write_text(sensor(eye), calibration::test::euroc_sensor(rig, eye));
+    }
+    const std::string files = sensor(0) + ',' + sensor(1);
+    const auto run_it = [&](const std::string& source, const std::string& folder, std::vector<std::string> more) {
+        more.insert(more.begin(), {"process", source, "-o", path(folder), "--disparities", "16", "--resume"});
+        return run(DISPARITYCTL, more);
+    };
+    const std::string pair = path("euroc/mav0/cam0/data/a.png") + ',' + path("euroc/mav0/cam1/data/a.png");
+    ASSERT_EQ(run_it(path("euroc"), "folder", {"--hash-inputs"}).exit_code, 0);
+    EXPECT_EQ(manifest("folder")["parameters"]["input"]["files"], 4);
+    EXPECT_NE(manifest("folder")["parts"][0]["maps_sha256"], nullptr);
+    ASSERT_EQ(run_it(pair, "given", {"--calibration", files}).exit_code, 0);
+    EXPECT_THAT(run_it(pair, "given", {"--calibration", files}).out, HasSubstr("done before"));
+    const Outcome unit = run_it(pair, "given", {"--calibration", files + "?unit=m"});
+    EXPECT_EQ(unit.exit_code, 2);
+    EXPECT_THAT(unit.err, HasSubstr("given: was made with parameters.calibration = "));
+    rig.right[0] += 1;
+    write_text(sensor(1), calibration::test::euroc_sensor(rig, 1));
+    EXPECT_THAT(run_it(pair, "given", {"--calibration", files}).err,
+                HasSubstr("given: was made with parameters.calibration = "));
+    const Outcome folder = run_it(path("euroc"), "folder", {"--hash-inputs"});
+    EXPECT_EQ(folder.exit_code, 2);
+    EXPECT_THAT(folder.err, HasSubstr("folder: was made with "));
 }
 
 TEST_F(ProcessResumeTest, VerifyNamesWhatIsMissingChangedOrExtra) {

@@ -21,10 +21,22 @@
 
 namespace disparityd::tools {
 
-bool is_kept(const std::string& uri) {
+namespace {
+
+capture::SourceKind kind_of(const std::string& uri) {
     const auto& kinds = capture::source_kinds();
     const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& one) { return one.accepts(uri); });
-    return kind != kinds.end() && kind->is_kept;
+    return kind == kinds.end() ? capture::SourceKind{} : *kind;
+}
+
+}  // namespace
+
+bool is_kept(const std::string& uri) {
+    return kind_of(uri).is_kept;
+}
+
+bool is_calibrated_elsewhere(const std::string& uri) {
+    return kind_of(uri).calibrated_elsewhere;
 }
 
 std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions options) {

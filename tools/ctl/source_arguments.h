@@ -14,6 +14,9 @@ namespace disparityd::tools {
 /// Whether a source is a file or a folder, whose frames wait for whoever takes them.
 bool is_kept(const std::string& uri);
 
+/// Whether such a source may take its calibration from a folder of calibrations, beside its own files.
+bool is_calibrated_elsewhere(const std::string& uri);
+
 /// Opens a source with a progress bar while it prepares itself. What one that is kept says of itself is printed, unless
 /// `options.report` is set. Throws as capture::open_source does, and std::invalid_argument where the stamps contain
 /// another offset than `options` ask for.

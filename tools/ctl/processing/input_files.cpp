@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 
 #include "base/file_kind.h"
+#include "calibration/formats/calibration_name.h"
 #include "capture/bag/bag_uri.h"
 #include "capture/images/image_sequence.h"
 #include "tools/ctl/processing/digest.h"
@@ -30,7 +31,12 @@ struct Listing {
 
 Listing of_images(const std::string& uri) {
     const capture::ImageSequence sequence = capture::find_images(capture::parse_image_uri(uri).path);
-    Listing all{{sequence.calibration, sequence.inertial_calibration, sequence.inertial_list}, {}};
+    Listing all{{sequence.inertial_calibration, sequence.inertial_list}, {}};
+    if (!sequence.calibration.empty()) {
+        for (const std::string& file : calibration::parse_calibration_name(sequence.calibration).files) {
+            all.paths.insert(file);
+        }
+    }
     for (const auto& frame : sequence.frames) {
         all.paths.insert({frame.left, frame.right, frame.calibration});
         all.more += std::to_string(frame.time_ns) + '\n';
@@ -105,6 +111,17 @@ Json content_of_input(const std::string& uri, const std::function<bool()>& stop)
         lines += digest + '\n';
     }
     return sha256(lines);
+}
+
+std::string content_of_calibration(const std::string& name) {
+    const calibration::CalibrationName parsed = calibration::parse_calibration_name(name);
+    const bool alone = parsed.files.size() == 1 && parsed.files[0] == name;
+    std::string lines;
+    for (const std::string& file : parsed.files) {
+        lines += sha256_of_file(file) + (alone ? "" : "\n");
+    }
+    return alone ? lines
+                 : sha256(lines + (base::is_file(name) ? "" : name.substr(std::min(name.rfind('?'), name.size()))));
 }
 
 void refuse_file_of_source(const std::string& file, const std::string& uri) {

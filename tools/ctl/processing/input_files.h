@@ -18,6 +18,10 @@ Json facts_of_input(const std::string& uri);
 /// asked meanwhile, and what it ends is null. Throws std::invalid_argument when a file cannot be read.
 Json content_of_input(const std::string& uri, const std::function<bool()>& stop);
 
+/// Returns the SHA-256 of what --calibration names: of one file, or of what the files and the settings behind them say
+/// ("left.yaml,right.yaml?unit=m"). Throws std::invalid_argument when a file cannot be read.
+std::string content_of_calibration(const std::string& name);
+
 /// Throws std::invalid_argument with one line when a file is among those of a source, by this name or another one: it
 /// would be emptied while it is read. Throws as facts_of_input().
 void refuse_file_of_source(const std::string& file, const std::string& uri);

@@ -31,9 +31,13 @@ std::string candidates(int first, int count) {
 
 /// Returns how many candidates are searched where the command line says nothing: as many as the files of a dataset ask
 /// for (tools/datasets/announced_range.h), else `usual`. A note tells of it, and of a range that does not reach as far
-/// as these files say. `calibration` is the file given instead of the source's own; empty: none.
+/// as these files say, unless it is to be silent. `calibration` is the file given instead of the source's own; empty:
+/// none.
 int dataset_disparities(const std::string& source, const std::string& calibration, const MatchArguments& match,
-                        int usual) {
+                        int usual, Notes notes) {
+    if (notes == Notes::none && match.disparities()) {
+        return usual;  // which nobody asks for
+    }
     auto announced = datasets::range_of_images(source);
     if (!calibration.empty()) {
         const auto of_calibration = datasets::range_of_calibration(calibration);
@@ -45,6 +49,9 @@ int dataset_disparities(const std::string& source, const std::string& calibratio
     const int first = match.d_min();
     const double needed = std::ceil((std::floor(announced->largest) + 1 - first) / candidates_step) * candidates_step;
     const int taken = static_cast<int>(std::clamp(needed, double{candidates_step}, double{most_candidates}));
+    if (notes == Notes::none) {
+        return taken;
+    }
     const int searched = match.disparities().value_or(taken);
     if (searched < needed) {
         print_note(announced->origin + ", more than is searched: " + candidates(first, searched) +
@@ -88,10 +95,10 @@ void check_parent(const std::string& file, const std::string& folder) {
 
 }  // namespace
 
-MatchOptions match_options(const ProcessArguments& arguments) {
+MatchOptions match_options(const ProcessArguments& arguments, Notes notes) {
     return arguments.match.options(parse_method(arguments.method),
                                    dataset_disparities(arguments.source, arguments.calibration, arguments.match,
-                                                       ProcessArguments::default_disparities));
+                                                       ProcessArguments::default_disparities, notes));
 }
 
 Replacing replacing(const ProcessArguments& arguments) {
@@ -187,9 +194,11 @@ Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
                                ? Json(scan_path.filename().string())
                                : Json(std::filesystem::absolute(scan_path).lexically_normal().string());
     const pipeline::DistanceLimits limits = arguments.distances.limits();
+    const Json calibration =
+        arguments.calibration.empty() ? Json() : Json(content_of_calibration(arguments.calibration));
     return {{"input", facts_of_input(arguments.source)},
             {"match", to_json(match)},
-            {"calibration", digest(arguments.calibration)},
+            {"calibration", calibration},
             {"size", arguments.size},
             {"region", arguments.region},
             {"first", arguments.first.value_or(0)},

@@ -61,8 +61,9 @@ struct ProcessArguments {
 // All throw std::invalid_argument with one line for what is not allowed.
 
 /// Returns the options of matching: those given, and as many candidates as the files of a dataset ask for
-/// (tools/datasets/announced_range.h) where the command line says nothing. Notes tell of it.
-MatchOptions match_options(const ProcessArguments& arguments);
+/// (tools/datasets/announced_range.h) where the command line says nothing. Notes tell of it, if they may.
+enum class Notes { printed, none };
+MatchOptions match_options(const ProcessArguments& arguments, Notes notes = Notes::printed);
 
 /// Returns what may be in the folder already.
 Replacing replacing(const ProcessArguments& arguments);

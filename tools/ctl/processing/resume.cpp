@@ -40,7 +40,7 @@ std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
     if (!begun_with(folder)) {
         return std::nullopt;
     }
-    const MatchOptions options = match_options(arguments);
+    const MatchOptions options = match_options(arguments, Notes::none);
     const Json parameters = parameters_of(arguments, options, scan_options_of(arguments, options));
     if (!base::is_file(folder + '/' + manifest_name)) {
         check_begun_with(folder, parameters);
@@ -57,7 +57,8 @@ std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
     const Json& manifest = made.manifest;
     check_made_with(folder, {{"version", manifest.at("made_by")}, {"parameters", manifest.at("parameters")}},
                     {{"version", base::version_line("disparityctl")}, {"parameters", parameters}});
-    if (is_kept(arguments.source)) {
+    // The files of any other source say all of it, and `listing` says that they are the same.
+    if (is_calibrated_elsewhere(arguments.source) && arguments.calibration.empty()) {
         check_parts(arguments, manifest);
     }
     if (!made.lack.empty()) {
