@@ -24,13 +24,13 @@
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/processing/matching_options.h"
-#include "tools/ctl/processing/plan.h"
 #include "tools/ctl/processing/process_arguments.h"
 #include "tools/ctl/processing/process_output.h"
 #include "tools/ctl/processing/process_report.h"
 #include "tools/ctl/processing/process_source.h"
 #include "tools/ctl/processing/resume.h"
-#include "tools/ctl/processing/source_list.h"
+#include "tools/ctl/processing/shards/plan.h"
+#include "tools/ctl/processing/shards/source_list.h"
 
 namespace disparityd::tools {
 namespace {

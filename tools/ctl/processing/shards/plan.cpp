@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/ctl/processing/plan.h"
+#include "tools/ctl/processing/shards/plan.h"
 
 #include <algorithm>
 #include <cerrno>

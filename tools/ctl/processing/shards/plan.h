@@ -5,7 +5,7 @@
 
 #include "pipeline/worker_pool.h"
 #include "tools/ctl/processing/process_arguments.h"
-#include "tools/ctl/processing/source_list.h"
+#include "tools/ctl/processing/shards/source_list.h"
 
 namespace disparityd::tools {
 

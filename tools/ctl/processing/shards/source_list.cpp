@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/ctl/processing/source_list.h"
+#include "tools/ctl/processing/shards/source_list.h"
 
 #include <algorithm>
 #include <cerrno>
