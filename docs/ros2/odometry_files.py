@@ -5,10 +5,12 @@
     disparityctl status --json | python3 odometry_files.py -o FOLDER --rate 30 --imu-rate 400
 
 FOLDER gets kalibr_imucam_chain.yaml and kalibr_imu_chain.yaml (OpenVINS) and orb_slam3.yaml. What they say holds as long as the
-daemon's calibration_id does, which is in their first lines. Exit status: 0 written, 2 something is not known.
+daemon's calibration_id does, which is in their first lines. Exit status: 0 written, 1 the files cannot be written, 2 something is not
+known, or an argument is wrong.
 """
 import argparse
 import json
+import math
 import pathlib
 import sys
 
@@ -161,20 +163,42 @@ def files_of(status, options):
     return {name: head + text.replace("TOPICS", options.namespace) for name, text in files.items()}
 
 
+def frequency(text):
+    number = float(text)
+    if not (math.isfinite(number) and number >= 1):
+        raise argparse.ArgumentTypeError(f"found {text}, allowed: a number of 1 or more, in a second")
+    return number
+
+
+def status_of(text):
+    try:
+        status = json.loads(text)
+    except ValueError:
+        status = None
+    if not isinstance(status, dict):
+        raise Unknown("standard input is no status of a daemon: disparityctl status --json prints one, and says why where it does not")
+    return status
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-o", "--output", required=True, type=pathlib.Path, help="the folder; it must be there")
-    parser.add_argument("--rate", required=True, type=float, help="frames per second")
-    parser.add_argument("--imu-rate", required=True, type=float, help="samples of the inertial sensor per second")
+    parser.add_argument("-o", "--output", required=True, type=pathlib.Path, help="the folder; made where it is missing")
+    parser.add_argument("--rate", required=True, type=frequency, help="frames per second")
+    parser.add_argument("--imu-rate", required=True, type=frequency, help="samples of the inertial sensor per second")
     parser.add_argument("--namespace", default="/stereo", help="of the bridge's topics (default: /stereo)")
     options = parser.parse_args()
     try:
-        files = files_of(json.load(sys.stdin), options)
+        files = files_of(status_of(sys.stdin.read()), options)
     except Unknown as reason:
         print(f"odometry_files.py: error: {reason}", file=sys.stderr)
         return 2
-    for name, text in files.items():
-        (options.output / name).write_text(text, encoding="utf-8")
+    try:
+        options.output.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (options.output / name).write_text(text, encoding="utf-8")
+    except OSError as reason:
+        print(f"odometry_files.py: error: {reason.filename}: {reason.strerror}", file=sys.stderr)
+        return 1
     return 0
 
 

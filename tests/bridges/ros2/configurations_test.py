@@ -164,6 +164,19 @@ class OdometryFilesTest(unittest.TestCase):
                               input=json.dumps(status), capture_output=True, text=True, check=False)
         return made, pathlib.Path(folder.name)
 
+    def test_what_is_wrong_is_one_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for status, options, code, told in (("", [], 2, "is no status of a daemon"), ("[1]", [], 2, "is no status of a daemon"),
+                                                (json.dumps(STATUS), ["--rate", "0"], 2, "--rate: found 0, allowed"),
+                                                (json.dumps(STATUS), ["-o", __file__], 1, "File exists"),
+                                                (json.dumps(STATUS), ["-o", f"{folder}/new/one"], 0, "")):
+                made = subprocess.run([sys.executable, "-B", FOLDER / "odometry_files.py", "-o", folder, "--rate", "30", "--imu-rate", "400",
+                                       *options], input=status, capture_output=True, text=True, check=False)
+                self.assertEqual(made.returncode, code, made.stderr)
+                self.assertIn(told, made.stderr)
+                self.assertNotIn("Traceback", made.stderr)
+            self.assertTrue((pathlib.Path(folder) / "new/one/kalibr_imucam_chain.yaml").exists())
+
     def read(self, file):
         text = file.read_text(encoding="utf-8")
         self.assertTrue(text.startswith("%YAML:1.0\n"))
