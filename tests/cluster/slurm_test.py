@@ -68,6 +68,21 @@ class Shards(unittest.TestCase):
         self.assertEqual((refused.returncode, refused.stdout), (2, ""))
 
 
+    @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed (Debian: parallel)")
+    def test_ranges_by_parallel(self):
+        hosts, one, out = (self.folder / name for name in ("hosts of ranges", "one source", "ranges"))
+        hosts.write_text(":\n", encoding="utf-8")
+        one.write_text(LONG[0] + "\n", encoding="utf-8")
+        options = [*OPTIONS, "--no-trust", "--no-adaptive-noise"]
+        self.ctl("process", "--list", one, "-o", self.folder / "whole source", *options)
+        command = [CLUSTER / "over-ssh", hosts, "4", one, out, *options, "--split", "--workers", "1"]
+        environment = {**os.environ, "DISPARITYCTL": PROGRAM, "HOME": str(self.folder)}
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.ctl("verify", out, "--against", self.folder / "whole source")
+        self.assertEqual(list(out.glob("range-*")), [], done.stdout + done.stderr)
+
+
 class Array:
     """The array, and what befalls its tasks."""
 

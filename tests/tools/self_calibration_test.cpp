@@ -18,6 +18,7 @@ namespace disparityd::test {
 namespace {
 
 using calibration::CalibrationCorrection;
+using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr CalibrationCorrection turned{4'000'000, 0, -3'000'000, 0};  // about 1.4 px and 0.2 degrees
@@ -135,6 +136,24 @@ TEST_F(SelfCalibrationTest, AppliesWhatIsRecordedFromItsFrameOn) {
     const auto off = files_in(path("off"));
     EXPECT_EQ(off.at("000005.png"), by_factory.at("000005.png"));
     EXPECT_EQ(off.count("corrections.csv"), 0U);
+}
+
+// The ranges are 0 to 2, 3 to 5 and 6 to 8: a damaged frame ends each, and a correction begins and ends within.
+TEST_F(SelfCalibrationTest, RangesOfShardsAreJoinedWithCorrectionsAndLosses) {
+    record_scene(path("in.mkv"), 9, misjudge, [](capture::RawFrame& frame) {
+        frame.correction = frame.sequence >= 1 && frame.sequence < 7 ? turned : CalibrationCorrection{};
+        frame.flags |= frame.sequence == 2 || frame.sequence == 5 ? capture::frame_flag_corrupt : 0U;
+        frame.dropped_before = frame.sequence == 5 ? 3 : 0;
+    });
+    ASSERT_EQ(process("in.mkv", "whole", {"--no-trust"}).exit_code, 0);
+    for (const char* const shard : {"2/3", "1/3", "0/3"}) {
+        const Outcome outcome = process("in.mkv", "out", {"--no-trust", "--split", "--shard", shard});
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
+    const auto whole = files_in(path("whole"));
+    EXPECT_THAT(whole.at("corrections.csv"), AllOf(HasSubstr("\n1,1,4000000,"), HasSubstr("\n5,7,0,")));
+    EXPECT_THAT(whole.at("manifest.json"), HasSubstr("\"dropped_before\":4"));
+    EXPECT_EQ(files_in(path("out")), whole);
 }
 
 TEST_F(SelfCalibrationTest, ADamagedCorrectionEndsTheRunAndSaysWhatToDo) {

@@ -60,13 +60,14 @@ void check_begun_with(const std::string& folder, const Json& parameters) {
     }
 }
 
-MadeRun made_run(const std::string& folder, const std::string& scan) {
+MadeRun made_run(const std::string& folder, const std::string& scan, const std::string& whole) {
     MadeRun run;
     std::error_code error;
     std::string missing = scan.empty() || std::filesystem::exists(scan, error) ? "" : scan;
     const auto look_for = [&](const Json& files) {
         for (const auto& [name, digest] : files.items()) {
-            if (missing.empty() && !has_content(folder + '/' + name)) {
+            if (missing.empty() && !has_content(folder + '/' + name) &&
+                (whole.empty() || !has_content(whole + '/' + name))) {
                 missing = folder + '/' + name;
             }
         }
@@ -85,9 +86,9 @@ MadeRun made_run(const std::string& folder, const std::string& scan) {
     return run;
 }
 
-bool is_done(const std::string& folder, const std::string& scan) {
+bool is_done(const std::string& folder, const std::string& scan, const std::string& whole) {
     try {
-        return made_run(folder, scan).lack.empty();
+        return made_run(folder, scan, whole).lack.empty();
     } catch (const DamagedManifest&) {
         return false;
     }

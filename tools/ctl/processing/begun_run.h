@@ -28,10 +28,11 @@ struct MadeRun {
     std::string lack;
 };
 
-/// Reads it. `scan` is the file of the obstacle scans; empty: none. Throws as read_manifest().
-MadeRun made_run(const std::string& folder, const std::string& scan);
+/// Reads it. `scan` is the file of the obstacle scans; empty: none. Of a range of --split, `whole` is the folder to
+/// which a join that was killed may have moved its files; empty: none. Throws as read_manifest().
+MadeRun made_run(const std::string& folder, const std::string& scan, const std::string& whole);
 
 /// Whether it is done; not where its manifest is damaged. Else as made_run().
-bool is_done(const std::string& folder, const std::string& scan);
+bool is_done(const std::string& folder, const std::string& scan, const std::string& whole);
 
 }  // namespace disparityd::tools

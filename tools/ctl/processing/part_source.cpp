@@ -27,6 +27,7 @@ private:
     capture::SourceInfo info_;
     FrameRange range_;
     std::uint64_t left_;
+    std::uint32_t lost_ = 0;  ///< before the next frame, since the last good one
 };
 
 LimitedSource::LimitedSource(std::unique_ptr<capture::FrameSource> source, FrameRange range)
@@ -55,14 +56,16 @@ capture::FrameSource::Next LimitedSource::next(capture::RawFrame& frame,
     Next got = source_->next(frame, deadline);
     for (; got == Next::frame && range_.first > 0; --range_.first) {
         const bool damaged = (frame.flags & capture::frame_flag_corrupt) != 0;  // these are in no run
+        lost_ = damaged ? lost_ + frame.dropped_before + 1 : 0;                 // as the pipeline counts them
         if (range_.skipped && !damaged) {
-            range_.skipped(frame.name);
+            range_.skipped(frame);
         }
         source_->give_back(frame);
         got = source_->next(frame, deadline);
     }
     if (got == Next::frame) {
         --left_;
+        frame.dropped_before += std::exchange(lost_, 0);
     }
     return got;
 }

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "capture/frame_source.h"
 #include "tools/ctl/processing/process_arguments.h"
@@ -17,8 +16,8 @@ namespace disparityd::tools {
 struct FrameRange {
     std::uint64_t first = 0;
     std::optional<std::uint64_t> count;  ///< nothing: all behind it
-    /// Gets the name of each good frame before the first one, in the thread that calls next(); may be empty.
-    std::function<void(std::string_view name)> skipped;
+    /// Gets each good frame before the first one, in the thread that calls next(); may be empty.
+    std::function<void(const capture::RawFrame& frame)> skipped;
 };
 
 /// Opens a part of arguments.source for a range of its frames, to be read as fast as it goes. `report` as

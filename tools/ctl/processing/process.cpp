@@ -29,8 +29,10 @@
 #include "tools/ctl/processing/process_report.h"
 #include "tools/ctl/processing/process_source.h"
 #include "tools/ctl/processing/resume.h"
+#include "tools/ctl/processing/shards/join_ranges.h"
 #include "tools/ctl/processing/shards/plan.h"
 #include "tools/ctl/processing/shards/source_list.h"
+#include "tools/ctl/processing/shards/split_source.h"
 
 namespace disparityd::tools {
 namespace {
@@ -71,17 +73,61 @@ ProcessDone attempt(const ProcessArguments& arguments, pipeline::WorkerPool& wor
 /// A source to process, or what an earlier run has done of it.
 struct Task {
     ListedSource source;
+    std::optional<SplitSource> split;
     std::optional<ProcessDone> before;
 };
 
-int process_one(const ProcessArguments& arguments, const Task& task, pipeline::WorkerPool& workers) {
-    if (task.before) {
-        return report_process(*task.before, arguments.json);
+/// Whether all of it is there.
+bool is_whole(const ProcessDone& done) {
+    return done.refusal.empty() && done.error.empty() && done.frames > 0 && !interrupted();
+}
+
+/// Does what follows when all frames are there, and keeps what goes wrong.
+template <typename Step>
+void guarded(ProcessDone& done, Step step) {
+    try {
+        step();
+    } catch (const base::DiskFull& error) {
+        done.error = error.what();
+        done.again = true;
+    } catch (const std::exception& error) {
+        done.error = base::failure_text(error);
     }
-    if (arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
+}
+
+/// Joins the ranges of a source where the last one is finished now.
+void try_to_join(const SplitSource& split, ProcessDone& done) {
+    if (!is_whole(done)) {
+        return;
+    }
+    const std::string ranges = base::counted(split.ranges.size(), "range");
+    guarded(done, [&] {
+        if (const auto frames = join_ranges(split)) {
+            done.folder = split.folder;
+            print_note(split.folder + ": joined from " + ranges + ", " + base::counted(*frames, "frame"));
+        } else {
+            print_note(split.folder + ": is joined when all of its " + ranges + " are finished");
+        }
+    });
+}
+
+/// Does a task, of whose source these are the arguments.
+ProcessDone perform(const ProcessArguments& arguments, const Task& task, pipeline::WorkerPool& workers,
+                    const Shown& shown) {
+    ProcessDone done = task.before  ? *task.before
+                       : task.split ? attempt(task.split->arguments(arguments), workers, shown)
+                                    : attempt(arguments, workers, shown);
+    if (task.split) {
+        try_to_join(*task.split, done);
+    }
+    return done;
+}
+
+int process_one(const ProcessArguments& arguments, const Task& task, pipeline::WorkerPool& workers) {
+    if (!task.before && arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
         print_note("--keep-going is for images; of " + arguments.source + " everything up to a damage is processed");
     }
-    return report_process(attempt(arguments, workers, {}), arguments.json);
+    return report_process(perform(arguments, task, workers, {}), arguments.json);
 }
 
 /// Returns "40 s", "12 min" or "3.5 h".
@@ -129,8 +175,7 @@ int process_list(const ProcessArguments& arguments, const std::vector<Task>& tas
                                                : std::string(", ").append(std::to_string(report.failed())) + " failed",
                           [&left](double share) { return left.text(share); }};
         const Task& task = tasks[i];
-        const int status =
-            report.add(task.before ? *task.before : attempt(for_source(arguments, task.source, true), workers, shown));
+        const int status = report.add(perform(for_source(arguments, task.source, true), task, workers, shown));
         if (!task.before) {
             left.finished_one();
         }
@@ -156,6 +201,27 @@ std::vector<std::string> words_of(const ProcessArguments& arguments) {
     return words;
 }
 
+/// Looks at what is there of the source. Nothing: --split leaves no frame of it to this shard.
+std::optional<Task> task_of(const ProcessArguments& arguments, const ListedSource& source) {
+    Task task{source, std::nullopt, std::nullopt};
+    if (!arguments.split) {
+        ProcessOutput::check(source.folder, replacing(arguments));
+        task.before = arguments.resume ? finished_before(arguments) : std::nullopt;
+        return task;
+    }
+    if (arguments.resume && (task.before = finished_before(arguments))) {
+        remove_joined_ranges(source.folder);
+        return task;
+    }
+    task.split = split_source(arguments, parse_shard(arguments.shard));
+    if (!task.split) {
+        return std::nullopt;
+    }
+    ProcessOutput::check(task.split->mine.folder, replacing(arguments));
+    task.before = arguments.resume ? finished_before(task.split->arguments(arguments)) : std::nullopt;
+    return task;
+}
+
 int process(const ProcessArguments& arguments) {
     catch_interrupts();
     if (arguments.folder.empty() && !arguments.plan) {
@@ -168,29 +234,32 @@ int process(const ProcessArguments& arguments) {
                                     "', allowed with several sources: a name without a folder; the folder of each "
                                     "source gets such a file");
     }
-    const std::vector<ListedSource> mine = shard_of(all, arguments.shard);
     check(arguments);
+    const std::vector<ListedSource> mine = arguments.split ? in_order(all) : shard_of(all, arguments.shard);
     if (arguments.plan) {
         pipeline::WorkerPool workers(arguments.workers.value_or(0), pinning);
         return plan(arguments, mine, workers);
     }
     std::vector<Task> tasks;
+    std::size_t sources = mine.size();
     for (const ListedSource& source : mine) {
         if (interrupted() && !tasks.empty()) {
             break;
         }
-        ProcessOutput::check(source.folder, replacing(arguments));
-        tasks.push_back({source, arguments.resume ? finished_before(for_source(arguments, source, is_list))
-                                                  : std::optional<ProcessDone>()});
+        if (auto task = task_of(for_source(arguments, source, is_list), source)) {
+            tasks.push_back(std::move(*task));
+        } else {
+            --sources;
+        }
     }
-    if (mine.empty()) {
-        print_note("--shard " + arguments.shard + ": none of the " + base::counted(all.size(), "source") +
-                   " belongs to it, nothing to do");
+    if (tasks.empty()) {
+        print_note("--shard " + arguments.shard + ": " + (arguments.split ? "no frame of the " : "none of the ") +
+                   base::counted(all.size(), "source") + " belongs to it, nothing to do");
         return exit_done;
     }
     pipeline::WorkerPool workers(arguments.workers.value_or(0), pinning);
-    return is_list ? process_list(arguments, tasks, mine.size(), workers)
-                   : process_one(for_source(arguments, mine.front(), false), tasks.front(), workers);
+    return is_list ? process_list(arguments, tasks, sources, workers)
+                   : process_one(for_source(arguments, tasks.front().source, false), tasks.front(), workers);
 }
 
 }  // namespace
@@ -248,6 +317,11 @@ void add_process(CLI::App& program, Action& action) {
                 "N - 1")
             ->type_name("I/N");
     command
+        .add_flag("--split", arguments->split,
+                  "with --shard: every source is cut into N ranges of frames, of which shard I does one; the last one "
+                  "to end joins them; only with what depends on no frame before")
+        ->excludes("--first", "--frames", "--scan");
+    command
         .add_flag("--plan", arguments->plan,
                   "write nothing: tell how many frames there are, and how long they take in how many shards, by some "
                   "frames of the first sources")
@@ -265,6 +339,7 @@ void add_process(CLI::App& program, Action& action) {
         "Examples: disparityctl process walk.mkv --method sgm --disparities 128 -o out\n"
         "          disparityctl process left.png right.png -o out\n"
         "          disparityctl process drives/*.mkv -o out --keep-going --resume --shard 0/8\n"
+        "          disparityctl process long.mkv -o out --no-trust --no-adaptive-noise --resume --split --shard 0/8\n"
         "          disparityctl process drives/*.mkv --plan\n"
         "          disparityctl process walk.mkv -o out --scan walk.csv --scan-set camera_height_m=0.4");
     command.callback([arguments, &action] { action = [arguments] { return process(*arguments); }; });

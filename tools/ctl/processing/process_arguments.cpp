@@ -108,7 +108,14 @@ Replacing replacing(const ProcessArguments& arguments) {
     return arguments.force ? Replacing::earlier_run : Replacing::nothing;
 }
 
+std::string whole_of(const ProcessArguments& arguments) {
+    return arguments.whole_frames ? std::filesystem::path(arguments.folder).parent_path().string() : std::string();
+}
+
 void check(const ProcessArguments& arguments) {
+    if (arguments.split && arguments.shard.empty() && !arguments.plan) {
+        throw std::invalid_argument("--split: found no --shard, allowed: with --shard I/N, or with --plan");
+    }
     const Method method = parse_method(arguments.method);
     arguments.match.check_used({method});
     backend(arguments.backend);  // refuses an unknown one

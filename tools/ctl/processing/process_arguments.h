@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,7 +43,9 @@ struct ProcessArguments {
     std::optional<int> first;
     std::optional<int> frames;
     std::optional<int> time_offset_us;
-    std::string shard;  ///< I/N; empty: all
+    std::string shard;                          ///< I/N; empty: all
+    bool split = false;                         ///< a shard does a range of the frames of each source
+    std::optional<std::uint64_t> whole_frames;  ///< of the source, where `first` and `frames` are such a range
     bool no_trust = false;
     bool temporal = false;
     bool self_calibrate = false;
@@ -67,6 +70,9 @@ MatchOptions match_options(const ProcessArguments& arguments, Notes notes = Note
 
 /// Returns what may be in the folder already.
 Replacing replacing(const ProcessArguments& arguments);
+
+/// Returns the folder of the source where that of the arguments is for a range of --split; empty: it is not.
+std::string whole_of(const ProcessArguments& arguments);
 
 /// Refuses what no source could be processed with, before any is opened.
 void check(const ProcessArguments& arguments);

@@ -2,12 +2,9 @@
 #include "tools/ctl/processing/process_output.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -20,11 +17,11 @@
 #include "base/file_lock.h"
 #include "base/write_failure.h"
 #include "proto/doubt.h"
-#include "tools/command_line/csv.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/processing/begun_run.h"
 #include "tools/ctl/processing/digest.h"
+#include "tools/ctl/processing/earlier_run.h"
 #include "tools/ctl/processing/times_csv.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
@@ -56,150 +53,6 @@ std::string file_name(std::string_view input, bool without_ending) {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* corrections_name = "corrections.csv";
-
-/// Of the files of a frame.
-constexpr std::string_view frame_endings[] = {".png", ".pfm", ".ply", ".pcd"};
-
-/// Returns the names that an earlier run gave its frames, from its times.csv.
-std::set<std::string> names_of_earlier_run(const fs::path& folder) {
-    std::set<std::string> names;
-    const fs::path whole = folder / times_name;
-    std::ifstream times(fs::exists(whole) ? whole.string() : GrowingFile::part_of(whole));
-    std::string line;
-    std::getline(times, line);
-    const std::vector<std::string> head = csv_fields(line);
-    const auto column = static_cast<std::size_t>(std::find(head.begin(), head.end(), "output") - head.begin());
-    while (column < head.size() && std::getline(times, line)) {
-        const std::vector<std::string> fields = csv_fields(line);
-        if (column < fields.size()) {
-            names.insert(fields[column]);
-        }
-    }
-    return names;
-}
-
-/// Whether it is calib.txt or, of the part from frame 12 on, calib-12.txt.
-bool is_calibration(std::string_view name) {
-    constexpr std::string_view begin = "calib", end = ".txt";
-    if (!name.starts_with(begin) || !name.ends_with(end)) {
-        return false;
-    }
-    name = name.substr(begin.size(), name.size() - begin.size() - end.size());
-    return name.empty() ||
-           (name.size() > 1 && name[0] == '-' && name.find_first_not_of("0123456789", 1) == std::string_view::npos);
-}
-
-/// Whether the earlier run made such a file: one of `names` with an ending, or a list.
-bool is_ours(const std::string& name, const std::set<std::string>& names) {
-    if (name == corrections_name) {
-        return true;
-    }
-    const auto ends = [&](std::string_view ending) {
-        return std::string_view(name).ends_with(ending) && names.contains(name.substr(0, name.size() - ending.size()));
-    };
-    return std::any_of(std::begin(output_suffixes), std::end(output_suffixes),
-                       [&](std::string_view suffix) { return ends(std::string(suffix) + ".png"); }) ||
-           std::any_of(std::begin(frame_endings), std::end(frame_endings), ends) || is_calibration(name);
-}
-
-/// Whether it is what a killed process was writing: ".NAME.part" or ".NAME.PROCESS".
-bool is_left_over(const std::string& name) {
-    const std::string_view text = name;
-    if (!text.starts_with('.')) {
-        return false;
-    }
-    const auto is_written = [](std::string_view file) {
-        return std::any_of(std::begin(frame_endings), std::end(frame_endings),
-                           [&](std::string_view ending) { return file.ends_with(ending); }) ||
-               file == geometry_name || is_calibration(file);
-    };
-    const std::size_t dot = text.rfind('.');
-    const bool number = std::all_of(text.begin() + static_cast<std::ptrdiff_t>(dot) + 1, text.end(),
-                                    [](unsigned char c) { return std::isdigit(c) != 0; });
-    return text.ends_with(".csv.part") || text == GrowingFile::part_of(manifest_name) ||
-           (dot > 0 && number && is_written(text.substr(1, dot - 1)));
-}
-
-[[noreturn]] void refuse(const std::string& folder, const std::error_code& error) {
-    throw std::runtime_error(folder + ": " + base::error_text(error.value()));
-}
-
-void remove_earlier_run(const std::string& folder) {
-    const std::set<std::string> names = names_of_earlier_run(folder);
-    std::error_code error;
-    // What is half removed must not look finished, and must still tell what it was begun with, and its names: all that
-    // tells this goes last.
-    const fs::path manifest = fs::path(folder) / manifest_name, begun = GrowingFile::part_of(manifest);
-    const fs::path times = fs::path(folder) / times_name, times_begun = GrowingFile::part_of(times);
-    if (fs::exists(manifest)) {
-        fs::rename(manifest, begun, error);
-    }
-    std::vector<fs::path> earlier;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-        const std::string name = entry.path().filename().string();
-        if (entry.path() != begun && entry.path() != times_begun && (is_ours(name, names) || is_left_over(name))) {
-            earlier.push_back(entry.path());
-        }
-    }
-    earlier.insert(earlier.end(), {times, times_begun, fs::path(folder) / geometry_name, begun});
-    for (const fs::path& path : earlier) {
-        if (!error) {
-            fs::remove(path, error);
-        }
-    }
-    if (error) {
-        refuse(folder, error);
-    }
-}
-
-/// What a folder holds before a run.
-struct Content {
-    std::string other;   ///< the name of a file, where there is any
-    bool begun = false;  ///< by this program
-    bool known = false;  ///< with parameters that are known
-    bool finished = false;
-};
-
-/// Whether the file is a geometry.json of this program: others may have files of that name.
-bool is_geometry(const fs::path& path) {
-    std::ifstream file(path);
-    const Json geometry = Json::parse(file, nullptr, false);
-    return geometry.is_object() && geometry.contains("match") && geometry.contains("files");
-}
-
-Content content_of(const fs::path& folder) {
-    Content content;
-    std::error_code error;
-    content.known = begun_with(folder.string()).has_value();
-    content.begun = content.known || is_geometry(folder / geometry_name);
-    content.finished = fs::exists(folder / manifest_name, error);
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-        const std::string name = entry.path().filename().string();
-        if (!is_left_over(name)) {
-            content.other = name;
-            break;
-        }
-    }
-    return content;
-}
-
-void check_content(const std::string& folder, const Content& found, Replacing replacing) {
-    if (!found.other.empty() && replacing == Replacing::unfinished && !found.known) {
-        throw std::invalid_argument(
-            folder + ": is not empty (found " + found.other +
-            "), and no manifest tells what was begun in it, allowed with --resume: a new or empty folder, or one that "
-            "an earlier run of this version has begun" +
-            (found.begun ? "; --force replaces the earlier run" : ""));
-    }
-    // Other pictures may have such names, too, for example the input.
-    if (!found.other.empty() && (replacing == Replacing::nothing || !found.begun)) {
-        throw std::invalid_argument(
-            folder + ": is not empty (found " + found.other + "), allowed: a new or empty folder" +
-            (found.begun ? ", --resume to finish the earlier run in it, or --force to replace it" : ""));
-    }
-}
 
 /// Returns the input of frames that have no name of their own.
 std::string name_of_source(const std::string& uri) {
@@ -266,7 +119,7 @@ FolderLock::FolderLock(const std::string& folder, Missing missing) {
         std::error_code error;
         fs::create_directories(folder, error);
         if (error) {
-            refuse(folder, error);
+            throw std::runtime_error(folder + ": " + base::error_text(error.value()));
         }
     }
     descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -306,8 +159,9 @@ ProcessOutput::ProcessOutput(pipeline::WorkerPool& workers, std::string folder, 
                              OutputFormats formats, const capture::SourceInfo& source, const MatchOptions& options,
                              const std::optional<ScanOptions>& scan, const std::string& backend,
                              const calibration::Rectification& rectification, const std::vector<std::string>& steps,
-                             const Json& parameters, const std::string& scan_file)
+                             const Json& parameters, const std::string& scan_file, Numbers numbers)
     : folder_(std::move(folder)),
+      numbers_(numbers),
       source_name_(name_of_source(source.name)),
       synthetic_(source.synthetic),
       lock_(folder_, FolderLock::Missing::make),
@@ -320,11 +174,11 @@ ProcessOutput::ProcessOutput(pipeline::WorkerPool& workers, std::string folder, 
               manifest_->add(frame);
               ++written_;
           }) {
-    const Content found = content_of(folder_);  // again: another run may have filled it meanwhile
+    const FolderContent found = content_of(folder_);  // again: another run may have filled it meanwhile
     check_content(folder_, found, replacing);
     if (replacing == Replacing::unfinished) {
         check_begun_with(folder_, parameters);
-        if (found.finished && is_done(folder_, scan_file)) {
+        if (found.finished && is_done(folder_, scan_file, whole_folder())) {
             throw std::runtime_error(folder_ + ": another program has finished it meanwhile; run this again");
         }
     }
@@ -386,6 +240,19 @@ void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibrat
         files_[name] = sha256(calibration);
     }
     images::write_file(folder_ + '/' + geometry_name, to_text(geometry, 2) + '\n');
+}
+
+/// Where a join may have moved the files of a range; empty: it is none.
+std::string ProcessOutput::whole_folder() const {
+    return numbers_ == Numbers::of_whole ? fs::path(folder_).parent_path().string() : std::string();
+}
+
+void ProcessOutput::skip(const capture::RawFrame& frame) {
+    names_.next(frame.name);
+    if (numbers_ == Numbers::of_whole) {
+        ++skipped_;
+        correction_ = frame.correction;
+    }
 }
 
 FrameView ProcessOutput::needed_planes(const FrameView& frame) const {
@@ -475,14 +342,14 @@ void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
         line << "from_frame,from_sequence,pitch_nrad,yaw_nrad,roll_nrad,focal_ppb,f,cx,cy,baseline_mm,calibration_id\n";
     }
     const calibration::Rectification& used = *slot.rectification;
-    line << frames_ << ',' << slot.raw.sequence << ',' << correction.pitch_nrad << ',' << correction.yaw_nrad << ','
-         << correction.roll_nrad << ',' << correction.focal_ppb << ',' << used.f << ',' << used.cx << ',' << used.cy
-         << ',' << used.baseline_mm << ',' << hexadecimal(used.calibration_id) << '\n';
+    line << skipped_ + frames_ << ',' << slot.raw.sequence << ',' << correction.pitch_nrad << ',' << correction.yaw_nrad
+         << ',' << correction.roll_nrad << ',' << correction.focal_ppb << ',' << used.f << ',' << used.cx << ','
+         << used.cy << ',' << used.baseline_mm << ',' << hexadecimal(used.calibration_id) << '\n';
     corrections_->write(line.str());
 }
 
 void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const Json& frame) {
-    std::string line = times_columns(frames_, frame);
+    std::string line = times_columns(skipped_ + frames_, frame);
     std::chrono::nanoseconds total{0};
     for (const std::chrono::nanoseconds time : slot.step_times) {
         total += time;

@@ -16,6 +16,7 @@
 #include "pipeline/worker_pool.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/growing_file.h"
+#include "tools/ctl/processing/earlier_run.h"
 #include "tools/ctl/processing/frame_writers.h"
 #include "tools/ctl/processing/manifest.h"
 #include "tools/ctl/processing/more_outputs.h"
@@ -53,11 +54,11 @@ struct OutputFormats {
     MoreOutputs more = {};
 };
 
-/// What a run may replace in the folder that it fills.
-enum class Replacing {
-    nothing,
-    unfinished,   ///< an earlier run that has left no manifest
-    earlier_run,  ///< whatever an earlier run has left
+/// How frames are counted in times.csv and corrections.csv, and whether the correction of the first is told where it is
+/// that of the frame before.
+enum class Numbers {
+    of_run,    ///< from 0; it is told
+    of_whole,  ///< a range of a whole that is joined afterwards: as in the whole
 };
 
 /// Locks a folder: only this process fills it while the object exists (base/file_lock.h). One thread uses it.
@@ -95,7 +96,7 @@ public:
                   const capture::SourceInfo& source, const MatchOptions& options,
                   const std::optional<ScanOptions>& scan, const std::string& backend,
                   const calibration::Rectification& rectification, const std::vector<std::string>& steps,
-                  const Json& parameters, const std::string& scan_file);
+                  const Json& parameters, const std::string& scan_file, Numbers numbers);
     ~ProcessOutput();  ///< as close(), but for what the system refuses
     ProcessOutput(const ProcessOutput&) = delete;
     ProcessOutput& operator=(const ProcessOutput&) = delete;
@@ -105,7 +106,7 @@ public:
     void begin_part(const capture::SourceInfo& source, const calibration::Rectification& rectification);
 
     /// Counts a frame that is left out in front of the first one. Any thread, before that one is written.
-    void skip(std::string_view input) { names_.next(input); }
+    void skip(const capture::RawFrame& frame);
 
     /// Writes the files of one frame, or has begun to when it returns. Throws base::DiskFull or std::runtime_error when
     /// one of this frame or of an earlier one cannot be written; none is written afterwards.
@@ -132,12 +133,15 @@ public:
     std::uint64_t written() const { return written_; }
 
 private:
+    std::string whole_folder() const;
     void write_times(const pipeline::FrameSlot& slot, const Json& frame);
     FrameView needed_planes(const FrameView& frame) const;
     Json write_planes(const FrameCopy& frame, const std::string& name) const;
     void note_correction(const pipeline::FrameSlot& slot);
 
     std::string folder_;
+    Numbers numbers_;
+    std::uint64_t skipped_ = 0;  ///< frames of the whole in front of the first one
     std::string source_name_;
     bool synthetic_;  ///< SourceInfo::synthetic
     FolderLock lock_;

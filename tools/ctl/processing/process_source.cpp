@@ -149,7 +149,8 @@ void begin_files(Run& run, const capture::SourceInfo& info, const Matcher& match
     run.files.folder.emplace(run.workers, arguments.folder, replacing(arguments),
                              formats_of(arguments, run.options.range), info, run.options, run.scan,
                              substitute.empty() ? std::string(backend(arguments.backend).name) : substitute,
-                             rectification, steps, parameters_of(arguments, run.options, run.scan), arguments.scan);
+                             rectification, steps, parameters_of(arguments, run.options, run.scan), arguments.scan,
+                             arguments.whole_frames ? Numbers::of_whole : Numbers::of_run);
     run.files.measured.emplace(run.options.range);
     if (run.scan) {
         run.files.scans.emplace(arguments.scan, arguments.force || arguments.resume);
@@ -173,9 +174,11 @@ void tell_distances(ProcessDone& done, const calibration::Rectification& rectifi
 
 /// Refuses a range that would be another one than that of the whole.
 void check_range(const Run& run, const FrameChain& chain) {
-    const std::string names = run.arguments.first.value_or(0) > 0 ? chain.names_of_dependent() : std::string();
+    const bool ranged = run.arguments.first.value_or(0) > 0 || run.arguments.split;
+    const std::string names = ranged ? chain.names_of_dependent() : std::string();
     if (!names.empty()) {
-        throw std::invalid_argument("--first: what is made of a frame depends on the frames before (" + names +
+        throw std::invalid_argument((run.arguments.split ? "--split" : "--first") +
+                                    std::string(": what is made of a frame depends on the frames before (") + names +
                                     "), so a range would differ from the whole; allowed without these: --no-trust "
                                     "--no-adaptive-noise, and no --scan, --temporal and --self-calibrate");
     }
@@ -190,12 +193,18 @@ void tell_new_begin(const Run& run, const FrameChain& chain) {
     }
 }
 
+/// What is told of a range of --split is what is told of the whole.
+capture::SourceInfo as_of_whole(const ProcessArguments& arguments, capture::SourceInfo info) {
+    info.frame_count = arguments.whole_frames ? arguments.whole_frames : info.frame_count;
+    return info;
+}
+
 void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional<std::uint64_t> frames,
                   bool only_part) {
     const ProcessArguments& arguments = run.arguments;
     const auto source = open_part(arguments, part,
                                   {static_cast<std::uint64_t>(arguments.first.value_or(0)), frames,
-                                   [&run](std::string_view name) { run.files.folder->skip(name); }},
+                                   [&run](const capture::RawFrame& frame) { run.files.folder->skip(frame); }},
                                   run.config.slots + 2, [&run](const std::string& line, bool trouble) {
                                       if (trouble) {
                                           run.done.left_out.push_back(line);
@@ -223,7 +232,7 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     check_range(run, chain);
     pipeline::Pipeline& pipeline =
         chain.connect([&run, &chain](const pipeline::FrameSlot& slot) { write(run.files, chain, slot); });
-    begin_files(run, info, chain.matcher(), chain.rectification(), pipeline.steps());
+    begin_files(run, as_of_whole(arguments, info), chain.matcher(), chain.rectification(), pipeline.steps());
     tell_new_begin(run, chain);
     const auto start = std::chrono::steady_clock::now();
     run_to_end(pipeline, info.frame_count, run.shown);
@@ -256,10 +265,11 @@ std::vector<capture::SourceInfo> infos_of(const ProcessArguments& arguments) {
             break;
         }
         const FrameRange range{static_cast<std::uint64_t>(arguments.first.value_or(0)), wanted, {}};
-        all.push_back(open_part(arguments, part, range, 2, [](const std::string&, bool) {})->info());
+        const auto source = open_part(arguments, part, range, 2, [](const std::string&, bool) {});
         if (wanted) {
-            *wanted -= all.back().frame_count.value_or(*wanted);
+            *wanted -= source->info().frame_count.value_or(*wanted);
         }
+        all.push_back(as_of_whole(arguments, source->info()));
     }
     return all;
 }

@@ -48,7 +48,7 @@ std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
     }
     MadeRun made;
     try {
-        made = made_run(folder, arguments.scan);
+        made = made_run(folder, arguments.scan, whole_of(arguments));
     } catch (const DamagedManifest& error) {
         check_begun_with(folder, parameters);
         print_note(std::string(error.what()) + "; " + arguments.source + " is processed again");

@@ -19,6 +19,7 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/processing/digest.h"
 #include "tools/ctl/processing/manifest.h"
+#include "tools/ctl/processing/shards/split_source.h"
 #include "tools/ctl/processing/times_csv.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
@@ -41,7 +42,7 @@ struct Findings {
 
 /// Returns the folders of sources by their names in `folder`; "" is the folder itself.
 std::map<std::string, std::string> sources_in(const std::string& folder) {
-    if (base::is_file(folder + '/' + manifest_name)) {
+    if (base::is_file(folder + '/' + manifest_name) || !ranges_in(folder).empty()) {
         return {{"", folder}};
     }
     std::map<std::string, std::string> sources;
@@ -51,8 +52,9 @@ std::map<std::string, std::string> sources_in(const std::string& folder) {
             sources.emplace(entry.path().filename().string(), entry.path().string());
         }
     }
-    const bool any = std::any_of(sources.begin(), sources.end(),
-                                 [](const auto& source) { return base::is_file(source.second + '/' + manifest_name); });
+    const bool any = std::any_of(sources.begin(), sources.end(), [](const auto& source) {
+        return base::is_file(source.second + '/' + manifest_name) || !ranges_in(source.second).empty();
+    });
     if (!any) {
         throw std::invalid_argument(folder + ": there is no " + manifest_name +
                                     " in it, nor in a folder in it: disparityctl process writes it when a source is "
@@ -158,9 +160,23 @@ void tell_losses(const std::string& folder, const Json& losses) {
     }
 }
 
+/// Returns what there is of ranges instead; empty: nothing.
+std::string text_of_ranges(const std::string& folder) {
+    const std::vector<Shard> ranges = ranges_in(folder);
+    if (ranges.empty()) {
+        return {};
+    }
+    const std::vector<std::string> folders = range_folders_in(folder);
+    const auto finished = std::count_if(folders.begin(), folders.end(), [](const std::string& range) {
+        return base::is_file(range + '/' + manifest_name);
+    });
+    return ", but " + std::to_string(finished) + " of " + std::to_string(ranges.front().count) +
+           " ranges of --split; process --resume joins them when all are finished";
+}
+
 void verify_source(const std::string& folder, Findings& found) {
     if (!base::is_file(folder + '/' + manifest_name)) {
-        found.tell(folder, "not finished: there is no manifest.json");
+        found.tell(folder, "not finished: there is no manifest.json" + text_of_ranges(folder));
         return;
     }
     std::set<std::string> known{manifest_name, times_name};

@@ -107,6 +107,28 @@ struct Division {
     double longest_s = 0;
 };
 
+struct Plan {
+    std::vector<Planned> sources;  ///< that can be opened
+    std::vector<std::string> unknown, failed;
+    std::uint64_t frames = 0;
+    Measured measured;
+    std::vector<Division> divisions;  ///< empty: nothing was measured
+};
+
+/// With --split each shard gets its part of every source.
+std::vector<Division> divisions_of_frames(const Plan& plan, double seconds_per_megapixel) {
+    constexpr std::size_t most_shards = 64;
+    double seconds = 0;
+    for (const Planned& source : plan.sources) {
+        seconds += source.megapixels * seconds_per_megapixel;
+    }
+    std::vector<Division> all;
+    for (std::size_t shards = 1; shards <= std::min<std::uint64_t>(most_shards, plan.frames); shards *= 2) {
+        all.push_back({shards, seconds / static_cast<double>(shards)});
+    }
+    return all;
+}
+
 /// Sources go to shards as shard_of() has them: `sources` are in the order of the bytes of their names.
 std::vector<Division> divisions(const std::vector<Planned>& sources, double seconds_per_megapixel) {
     std::vector<Division> all;
@@ -123,14 +145,6 @@ std::vector<Division> divisions(const std::vector<Planned>& sources, double seco
     add(sources.size());
     return all;
 }
-
-struct Plan {
-    std::vector<Planned> sources;  ///< that can be opened
-    std::vector<std::string> unknown, failed;
-    std::uint64_t frames = 0;
-    Measured measured;
-    std::vector<Division> divisions;  ///< empty: nothing was measured
-};
 
 Json plan_json(const Plan& plan) {
     Json divided = Json::array();
@@ -178,7 +192,7 @@ int plan(const ProcessArguments& arguments, const std::vector<ListedSource>& sou
     Plan plan;
     ProcessArguments one = arguments;
     Progress bar("sources", sources.size());
-    for (const ListedSource& source : shard_of(sources, "0/1")) {
+    for (const ListedSource& source : in_order(sources)) {
         if (interrupted()) {
             break;
         }
@@ -206,7 +220,8 @@ int plan(const ProcessArguments& arguments, const std::vector<ListedSource>& sou
         return exit_interrupted;
     }
     if (plan.measured.megapixels > 0) {
-        plan.divisions = divisions(plan.sources, plan.measured.seconds / plan.measured.megapixels);
+        const double each = plan.measured.seconds / plan.measured.megapixels;
+        plan.divisions = arguments.split ? divisions_of_frames(plan, each) : divisions(plan.sources, each);
     }
     if (arguments.json) {
         std::cout << to_text(plan_json(plan), 2) << '\n';

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "base/failure_text.h"
 #include "base/file_kind.h"
@@ -131,20 +132,34 @@ std::vector<ListedSource> list_sources(const std::vector<std::string>& words, co
     return sources;
 }
 
+Shard parse_shard(const std::string& text) {
+    Shard shard;
+    if (text.empty()) {
+        return shard;
+    }
+    const char* const end = text.data() + text.size();
+    const auto [slash, error] = std::from_chars(text.data(), end, shard.index);
+    const bool first = error == std::errc() && slash != end && *slash == '/';
+    const auto [stop, second] =
+        first ? std::from_chars(slash + 1, end, shard.count) : std::from_chars_result{slash, error};
+    if (!first || second != std::errc() || stop != end || shard.index >= shard.count) {
+        throw std::invalid_argument("--shard: found '" + text +
+                                    "', allowed: I/N, where I is 0 to N - 1, such as 0/8 to 7/8");
+    }
+    return shard;
+}
+
+std::vector<ListedSource> in_order(std::vector<ListedSource> sources) {
+    std::sort(sources.begin(), sources.end(), [](const auto& a, const auto& b) { return a.uri < b.uri; });
+    return sources;
+}
+
 std::vector<ListedSource> shard_of(std::vector<ListedSource> sources, const std::string& shard) {
     if (shard.empty()) {
         return sources;
     }
-    std::size_t index = 0, count = 0;
-    const char* const end = shard.data() + shard.size();
-    const auto [slash, error] = std::from_chars(shard.data(), end, index);
-    const bool first = error == std::errc() && slash != end && *slash == '/';
-    const auto [stop, second] = first ? std::from_chars(slash + 1, end, count) : std::from_chars_result{slash, error};
-    if (!first || second != std::errc() || stop != end || index >= count) {
-        throw std::invalid_argument("--shard: found '" + shard +
-                                    "', allowed: I/N, where I is 0 to N - 1, such as 0/8 to 7/8");
-    }
-    std::sort(sources.begin(), sources.end(), [](const auto& a, const auto& b) { return a.uri < b.uri; });
+    const auto [index, count] = parse_shard(shard);
+    sources = in_order(std::move(sources));
     std::vector<ListedSource> mine;
     for (std::size_t i = index; i < sources.size(); i += count) {
         mine.push_back(sources[i]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,18 @@ std::vector<std::string> lines_of(const std::string& file);
 /// b/walk.mkv) that they differ. Names do not depend on the order. Throws std::invalid_argument with one line where a
 /// source is named twice, or names do not differ whatever is in front.
 std::vector<ListedSource> list_sources(const std::vector<std::string>& words, const std::string& folder);
+
+/// Shard `index` of so many, counted from 0.
+struct Shard {
+    std::size_t index = 0;
+    std::size_t count = 1;
+};
+
+/// Reads "I/N"; empty text: the only one. Throws std::invalid_argument unless 0 <= I < N.
+Shard parse_shard(const std::string& text);
+
+/// Returns the sources in the order of the bytes of their names, which no shard takes from another one.
+std::vector<ListedSource> in_order(std::vector<ListedSource> sources);
 
 /// Returns those of shard "I/N": source k, counted from 0 in the order of the bytes of their names, belongs to shard
 /// k mod N. Empty text: all. Throws std::invalid_argument unless 0 <= I < N.
