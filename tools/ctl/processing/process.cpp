@@ -33,6 +33,7 @@
 #include "tools/ctl/processing/shards/plan.h"
 #include "tools/ctl/processing/shards/source_list.h"
 #include "tools/ctl/processing/shards/split_source.h"
+#include "tools/ctl/processing/submission.h"
 
 namespace disparityd::tools {
 namespace {
@@ -111,6 +112,17 @@ void try_to_join(const SplitSource& split, ProcessDone& done) {
     });
 }
 
+/// Writes what a benchmark's server takes, where the source is whole.
+void try_to_submit(const ProcessArguments& arguments, ProcessDone& done) {
+    if (arguments.submission.empty() || !is_whole(done)) {
+        return;
+    }
+    guarded(done, [&] {
+        print_note(write_submission(parse_submission(arguments.submission, arguments.submission_name, arguments.folder),
+                                    done));
+    });
+}
+
 /// Does a task, of whose source these are the arguments.
 ProcessDone perform(const ProcessArguments& arguments, const Task& task, pipeline::WorkerPool& workers,
                     const Shown& shown) {
@@ -119,6 +131,9 @@ ProcessDone perform(const ProcessArguments& arguments, const Task& task, pipelin
                                     : attempt(arguments, workers, shown);
     if (task.split) {
         try_to_join(*task.split, done);
+    }
+    if (!task.split || done.folder == task.split->folder) {
+        try_to_submit(arguments, done);
     }
     return done;
 }
@@ -235,6 +250,10 @@ int process(const ProcessArguments& arguments) {
                                     "source gets such a file");
     }
     check(arguments);
+    if (!arguments.submission.empty() && !arguments.plan) {
+        check_submission(parse_submission(arguments.submission, arguments.submission_name, arguments.folder),
+                         arguments.force || arguments.resume);
+    }
     const std::vector<ListedSource> mine = arguments.split ? in_order(all) : shard_of(all, arguments.shard);
     if (arguments.plan) {
         pipeline::WorkerPool workers(arguments.workers.value_or(0), pinning);
@@ -299,6 +318,17 @@ void add_process(CLI::App& program, Action& action) {
             ->type_name("FILE.csv")
             ->check([](const std::string& name) { return name.empty() ? "found no name" : std::string(); });
     arguments->scan_options.add_to(command)->needs(scan);
+    command
+        .add_option("--submission", arguments->submission,
+                    "also write results as the server of a benchmark takes them: kitti2012, kitti2015, middlebury or "
+                    "eth3d, and a folder beside DIR")
+        ->type_name("BENCHMARK=FOLDER")
+        ->excludes("--first", "--frames");
+    command
+        .add_option("--submission-name", arguments->submission_name,
+                    "name of the method in files of Middlebury, default disparityd")
+        ->needs("--submission")
+        ->type_name("NAME");
     CLI::Option* const force =
         command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR, and that of --scan");
     command

@@ -43,6 +43,8 @@ struct ProcessArguments {
     std::optional<int> first;
     std::optional<int> frames;
     std::optional<int> time_offset_us;
+    std::string submission;  ///< BENCHMARK=FOLDER; empty: none
+    std::string submission_name = "disparityd";
     std::string shard;                          ///< I/N; empty: all
     bool split = false;                         ///< a shard does a range of the frames of each source
     std::optional<std::uint64_t> whole_frames;  ///< of the source, where `first` and `frames` are such a range
