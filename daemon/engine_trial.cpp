@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "capture/source_condition.h"
+#include "base/failure_text.h"
 #include "daemon/configured_source.h"
 #include "daemon/engine.h"
 #include "daemon/frame_cost.h"
@@ -42,9 +42,10 @@ std::vector<std::uint8_t> pixels_of(const capture::RawFrame& frame, const captur
 struct Taken {
     std::vector<std::uint8_t> pixels;  ///< empty: none came
     std::optional<Seconds> cost;
+    std::string problem;  ///< why none came
 };
 
-/// Takes a few frames. What is damaged is told when it is played.
+/// Takes a few frames. What is damaged behind the first one is told when it is played.
 Taken take_some(capture::FrameSource& source) {
     constexpr std::chrono::seconds patience{5};
     Taken taken;
@@ -62,7 +63,8 @@ Taken take_some(capture::FrameSource& source) {
             begin = count < 0 ? pipeline::processor_time() : begin;
             ++count;
         }
-    } catch (const std::runtime_error&) {
+    } catch (const std::runtime_error& error) {
+        taken.problem = count < 0 ? base::failure_text(error) : "";
         return taken;
     }
     if (count > 0) {
@@ -128,6 +130,7 @@ FrameCost Engine::cost_of_frame() {
     Taken taken = is_camera ? Taken() : take_some(*source_);
     cost.of_source = !taken.pixels.empty();
     cost.taken = taken.cost;
+    cost.unread = std::move(taken.problem);
     RepeatedFrame repeated(source(), cost.of_source ? std::move(taken.pixels) : noise_for(source()), frames);
 
     make_measured();

@@ -37,6 +37,18 @@ std::string budget_text(const FrameCost& cost, const FrameLoad& load) {
                        load.rate, counted(cost));
 }
 
+std::string text_of(const FrameCost& cost, const FrameLoad& load) {
+    const double fastest = 1 / cost.passes.count();
+    if (load.leaves_out && load.rate > fastest && (load.budget <= 0 || fastest < most_in_budget(cost, load))) {
+        return slower_than_the_source({load.rate, fastest}, load.width, load.height, load.disparities);
+    }
+    if (load.budget > 0) {
+        return budget_text(cost, load);
+    }
+    return fmt::format("computing takes {:.1f} ms a frame {} here", ms * cost.passes.count(),
+                       cost.of_source ? "of the source" : "of noise");
+}
+
 }  // namespace
 
 double most_in_budget(const FrameCost& cost, const FrameLoad& load) {
@@ -48,15 +60,8 @@ double most_in_budget(const FrameCost& cost, const FrameLoad& load) {
 }
 
 std::string cost_text(const FrameCost& cost, const FrameLoad& load) {
-    const double fastest = 1 / cost.passes.count();
-    if (load.leaves_out && load.rate > fastest && (load.budget <= 0 || fastest < most_in_budget(cost, load))) {
-        return slower_than_the_source({load.rate, fastest}, load.width, load.height, load.disparities);
-    }
-    if (load.budget > 0) {
-        return budget_text(cost, load);
-    }
-    return fmt::format("computing takes {:.1f} ms a frame {} here", ms * cost.passes.count(),
-                       cost.of_source ? "of the source" : "of noise");
+    return (cost.unread.empty() ? "" : "no frame of the source can be read: " + cost.unread + "; ") +
+           text_of(cost, load);
 }
 
 }  // namespace disparityd::daemon

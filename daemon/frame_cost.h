@@ -17,6 +17,7 @@ struct FrameCost {
     Seconds used{};    ///< processor time of the whole process for one, from rectification to publication; the median
     /// Processor time of the source for each frame that comes; nothing: not known.
     std::optional<Seconds> taken = {};
+    std::string unread = {};  ///< one line: why none could be read; empty where that went well, or was not tried
 };
 
 /// What is asked of the computer.
@@ -33,8 +34,8 @@ struct FrameLoad {
 /// Those that are left out cost their capture, too.
 double most_in_budget(const FrameCost& cost, const FrameLoad& load);
 
-/// Returns a line for people: the time that a frame takes, what of it counts against the budget, and where frames come
-/// faster than they can be worked on, what would fit.
+/// Returns a line for people: why none could be read where that is so, the time that a frame takes, what of it counts
+/// against the budget, and where frames come faster than they can be worked on, what would fit.
 std::string cost_text(const FrameCost& cost, const FrameLoad& load);
 
 }  // namespace disparityd::daemon

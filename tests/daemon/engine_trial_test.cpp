@@ -2,11 +2,14 @@
 //
 // What --check tells of a frame is what frames take then. Both are processor time, which other programs do not take.
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
 
 #include <gtest/gtest.h>
 
+#include "capture/recording/recording_writer.h"
 #include "daemon/engine.h"
+#include "tests/temporary_folder.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -70,6 +73,27 @@ TEST(EngineTrial, AFrameCostsWhatItIsToldToCost) {
     EXPECT_GT(told / real, 0.5) << "work is left out: " << told.count() << " s told, " << real.count() << " s taken";
     EXPECT_LT(told / real, 4) << told.count() << " s told, " << real.count() << " s taken";
     EXPECT_GT(cost.passes.count(), 0);
+}
+
+TEST(EngineTrial, ASourceThatCannotBeReadIsTold) {
+    const test::TemporaryFolder folder;
+    Config config = config_of_little_matching();
+    capture::SourceOptions drawn;
+    drawn.uri = config.source.uri;
+    drawn.pace = capture::Pace::fastest;
+    const auto source = capture::open_source(drawn);
+    config.source.uri = folder.file("cut.mkv");
+    capture::RecordingWriter writer(config.source.uri, source->info());
+    capture::RawFrame frame;
+    ASSERT_EQ(source->next(frame, std::chrono::steady_clock::now() + std::chrono::minutes(1)),
+              capture::FrameSource::Next::frame);
+    writer.write(frame);
+    source->give_back(frame);
+    writer.close();
+    std::filesystem::resize_file(config.source.uri, std::filesystem::file_size(config.source.uri) / 2);
+    const FrameCost cost = Engine(config, {}, {}).cost_of_frame();
+    EXPECT_FALSE(cost.of_source);
+    EXPECT_NE(cost.unread, "");
 }
 
 TEST(EngineTrial, ACameraIsLeftAlone) {

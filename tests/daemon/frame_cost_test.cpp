@@ -62,6 +62,8 @@ TEST(FrameCost, WhatIsSlowerDecides) {
                 StartsWith("[pipeline] cores = 1 is less than matching needs: 150.0 frames/s come, at most 20.0 are"));
     EXPECT_EQ(cost_text({.passes = Seconds(0.010), .used = Seconds(0.020)}, vga(15, 0)),
               "computing takes 10.0 ms a frame of noise here");
+    EXPECT_EQ(cost_text({.passes = Seconds(0.010), .used = Seconds(0.020), .unread = "a.mkv: damaged"}, vga(15, 0)),
+              "no frame of the source can be read: a.mkv: damaged; computing takes 10.0 ms a frame of noise here");
 }
 
 }  // namespace
