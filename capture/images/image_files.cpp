@@ -28,7 +28,7 @@
 namespace disparityd::capture {
 namespace {
 
-constexpr const char* kinds = "PNG, JPEG, PBM, PGM, PPM, PFM, BMP, TIFF, WebP";
+constexpr const char* kinds = "PNG, JPEG, PBM, PGM, PPM, BMP, TIFF, WebP";
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
     throw std::invalid_argument(path + ": " + why);
@@ -117,7 +117,11 @@ cv::Mat decode_of_size(TakeBytes&& take_bytes, ImageSize size, const std::string
                                   base::size_text(size.width, size.height) + " pixels");
     };
     try {
-        return decode(take_bytes(), path);
+        cv::Mat image = decode(take_bytes(), path);
+        if (image.empty()) {
+            refuse(path, "is damaged: it has no pixels");
+        }
+        return image;
     } catch (const std::bad_alloc&) {
         throw no_memory();
     } catch (const cv::Exception& error) {

@@ -16,9 +16,9 @@ namespace disparityd::capture {
 /// damaged ones, which read_image() reports.
 std::optional<ImageSize> peek_image_size(const std::string& path);
 
-/// Decodes an image as it is stored: any number of channels, any depth. The header is read first, so a small file that
+/// Decodes an image as it is stored: 1, 3 or 4 channels of 8 or 16 bits. The header is read first, so a small file that
 /// claims a huge image costs neither time nor memory. Throws std::invalid_argument with one line when the file is
-/// missing, cannot be read, is no PNG, JPEG, PBM, PGM, PPM, PFM, BMP, TIFF or WebP, is damaged, or larger than 8192
+/// missing, cannot be read, is no PNG, JPEG, PBM, PGM, PPM, BMP, TIFF or WebP, is damaged, or larger than 8192
 /// pixels on a side.
 cv::Mat decode_image(const std::string& path);
 

@@ -34,8 +34,8 @@ PnmHead read_pnm_head(std::string_view file, const std::string& path) {
         numbers[2] = 0;
     }
     head.end = read_pnm_numbers(file.substr(0, longest_head), std::span(numbers).first(head.bitmap() ? 2 : 3));
-    if (head.end == 0 || numbers[0] > most_pixels || numbers[1] > most_pixels || numbers[2] < 1 ||
-        numbers[2] > most_value) {
+    if (head.end == 0 || numbers[0] < 1 || numbers[1] < 1 || numbers[0] > most_pixels || numbers[1] > most_pixels ||
+        numbers[2] < 1 || numbers[2] > most_value) {
         throw std::invalid_argument(path + ": is damaged: the header of the " + (head.bitmap() ? "PBM" : "PGM or PPM") +
                                     " says no size, or no largest value from 1 to 65535");
     }
@@ -61,11 +61,13 @@ class PnmNumbers {
 public:
     PnmNumbers(std::string_view text, bool digits) : text_(text), digits_(digits) {}
 
+    /// Nothing: the next thing is no number, or the text ends.
     std::optional<std::uint64_t> next() {
-        while (at_ < text_.size() && !is_digit()) {
-            ++at_;
+        while (!ended() && (std::isspace(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '#')) {
+            const bool comment = text_[at_] == '#';  // up to the end of its line
+            at_ = comment ? std::min(text_.find('\n', at_), text_.size()) : at_ + 1;
         }
-        if (at_ == text_.size()) {
+        if (ended() || !is_digit()) {
             return std::nullopt;
         }
         constexpr std::uint64_t enough = 1'000'000;  // no value is so large
@@ -76,6 +78,7 @@ public:
         } while (!digits_ && at_ < text_.size() && is_digit());
         return value;
     }
+    bool ended() const { return at_ == text_.size(); }
 
 private:
     bool is_digit() const { return std::isdigit(static_cast<unsigned char>(text_[at_])) != 0; }
@@ -92,7 +95,9 @@ void read_pnm_text(PnmNumbers& numbers, const PnmHead& head, cv::Mat& image, con
         for (int i = 0; i < image.cols * image.channels(); ++i) {
             const auto number = numbers.next();
             if (!number) {
-                throw std::invalid_argument(path + ": is damaged: the file was cut off, values are missing");
+                throw std::invalid_argument(path + (numbers.ended()
+                                                        ? ": is damaged: the file was cut off, values are missing"
+                                                        : ": is damaged: found something that is no number"));
             }
             const std::uint64_t value = std::min(*number, head.largest);
             const std::uint64_t scaled = sizeof(Value) == 1 ? value * 255 / head.largest : value;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -75,10 +76,18 @@ bool is_taken(std::uint32_t side) {
 /// What the file says of its pixels.
 struct TiffPixels {
     std::uint32_t width = 0, height = 0;
-    std::uint16_t bits = 1, channels = 1, format = SAMPLEFORMAT_UINT, planes = PLANARCONFIG_CONTIG, colours = 0;
+    std::uint16_t bits = 1, channels = 1, format = SAMPLEFORMAT_UINT, planes = PLANARCONFIG_CONTIG, colours = 0,
+                  orientation = ORIENTATION_TOPLEFT;
 
+    /// With alpha, too.
     bool grey() const {
-        return channels == 1 && (colours == PHOTOMETRIC_MINISBLACK || colours == PHOTOMETRIC_MINISWHITE);
+        return channels <= 2 && (colours == PHOTOMETRIC_MINISBLACK || colours == PHOTOMETRIC_MINISWHITE);
+    }
+    /// Whether these are values of 16 bits that are read as they are.
+    bool deep() const {
+        const bool colour = (channels == 3 || channels == 4) && colours == PHOTOMETRIC_RGB;
+        return bits == 16 && format == SAMPLEFORMAT_UINT && planes == PLANARCONFIG_CONTIG &&
+               (colour || (channels == 1 && colours == PHOTOMETRIC_MINISBLACK));
     }
 };
 
@@ -91,7 +100,30 @@ TiffPixels layout_of(TIFF* tiff) {
     TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &layout.format);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &layout.planes);
     TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout.colours);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &layout.orientation);
     return layout;
+}
+
+const char* name_of_format(std::uint16_t format) {
+    switch (format) {
+        case SAMPLEFORMAT_UINT: return "unsigned";
+        case SAMPLEFORMAT_INT: return "signed";
+        case SAMPLEFORMAT_IEEEFP: return "floats";
+        default: return "of another kind";
+    }
+}
+
+/// Whether what libtiff decodes at once is no larger than the largest image: a small file may claim tiles and strips of
+/// gigabytes.
+bool fits(TIFF* tiff, const TiffPixels& layout) {
+    constexpr tmsize_t most = tmsize_t{largest_image_side} * largest_image_side * 4;
+    if (TIFFIsTiled(tiff) == 0) {
+        return TIFFStripSize(tiff) <= most && tmsize_t{layout.width} * layout.height * layout.channels <= most;
+    }
+    std::uint32_t width = 0, height = 0;
+    TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &width);
+    TIFFGetField(tiff, TIFFTAG_TILELENGTH, &height);
+    return is_taken(width) && is_taken(height) && TIFFTileSize(tiff) <= most;
 }
 
 /// libtiff makes colours of all that has up to 8 bits. An empty image: it refuses.
@@ -114,9 +146,6 @@ bool read_tiles(TIFF* tiff, cv::Mat& image) {
     std::uint32_t width = 0, height = 0;
     TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &width);
     TIFFGetField(tiff, TIFFTAG_TILELENGTH, &height);
-    if (!is_taken(width) || !is_taken(height)) {
-        return false;
-    }
     const cv::Size size(static_cast<int>(width), static_cast<int>(height));
     cv::Mat tile(size, image.type());
     const auto bytes = static_cast<tmsize_t>(tile.total() * tile.elemSize());
@@ -172,19 +201,25 @@ cv::Mat decode_tiff(std::span<const std::uint8_t> file, const std::string& path)
         refuse("is damaged, or no TIFF that libtiff can read");
     }
     const TiffPixels layout = layout_of(tiff.get());
-    if (!is_taken(layout.width) || !is_taken(layout.height)) {
+    if (!is_taken(layout.width) || !is_taken(layout.height) || !fits(tiff.get(), layout)) {
         refuse("is damaged: the TIFF says no size that is taken");
     }
-    const bool colour = (layout.channels == 3 || layout.channels == 4) && layout.colours == PHOTOMETRIC_RGB;
-    const bool deep = layout.bits == 16 && layout.format == SAMPLEFORMAT_UINT && layout.planes == PLANARCONFIG_CONTIG &&
-                      (colour || (layout.channels == 1 && layout.colours == PHOTOMETRIC_MINISBLACK));
-    if (layout.bits > 8 && !deep) {
-        refuse("found pixels of " + std::to_string(layout.bits) + " bits (a TIFF of " +
-               std::to_string(layout.channels) + " channels, photometric " + std::to_string(layout.colours) +
-               "), allowed are 8 and 16 bits, those of 16 grey (0 is black) or red, green, blue side by side: convert "
-               "it to PNG");
+    if (layout.orientation != ORIENTATION_TOPLEFT) {
+        refuse("declares that it is to be turned or mirrored before it is shown (orientation " +
+               std::to_string(layout.orientation) + " of TIFF), which is not done here: turn the pixels of both eyes");
     }
-    cv::Mat image = deep ? read_deep(tiff.get(), layout) : read_colours(tiff.get(), layout);
+    if (!layout.deep() && (layout.bits > 8 || layout.channels > 4)) {
+        refuse("found pixels of " + std::to_string(layout.bits) + " bits (a TIFF of " +
+               std::to_string(layout.channels) + " channels, " + name_of_format(layout.format) + ", photometric " +
+               std::to_string(layout.colours) +
+               "), allowed are 8 and 16 bits, up to 4 channels; those of 16 unsigned, grey (0 is black) or red, green, "
+               "blue side by side: convert it to PNG");
+    }
+    std::array<char, 1024> why{};
+    if (!layout.deep() && TIFFRGBAImageOK(tiff.get(), why.data()) == 0) {
+        refuse(std::string("found a TIFF that is not read (libtiff says: ") + why.data() + "): convert it to PNG");
+    }
+    cv::Mat image = layout.deep() ? read_deep(tiff.get(), layout) : read_colours(tiff.get(), layout);
     if (image.empty()) {
         refuse("is damaged: libtiff cannot decode it");
     }

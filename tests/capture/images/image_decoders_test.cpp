@@ -180,11 +180,45 @@ TEST(ImageDecoders, TiffInTilesIsReadAsOpenCvReadsIt) {
     }
 }
 
+/// A TIFF of the size 16 x 16 without pixels, whose tags a file of a few hundred bytes can state.
+void write_claims(const std::string& path, std::uint32_t side, int channels, std::uint32_t tile) {
+    TIFF* const tiff = TIFFOpen(path.c_str(), "w");
+    ASSERT_NE(tiff, nullptr);
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, side);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, side);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
+    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, channels);
+    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
+    std::uint8_t nothing = 0;
+    if (tile > 0) {
+        TIFFSetField(tiff, TIFFTAG_TILEWIDTH, tile);
+        TIFFSetField(tiff, TIFFTAG_TILELENGTH, tile);
+        EXPECT_EQ(TIFFWriteRawTile(tiff, 0, &nothing, 1), 1);
+    } else {
+        TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, side);
+        EXPECT_EQ(TIFFWriteRawStrip(tiff, 0, &nothing, 1), 1);
+    }
+    TIFFClose(tiff);
+}
+
+TEST(ImageDecoders, ATiffThatClaimsGigabytesIsRefusedBeforeItIsDecoded) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("a.tif");
+    write_claims(path, 4096, 60, 0);
+    EXPECT_THAT(refusal([&] { decode_image(path); }), HasSubstr("says no size that is taken"));
+    write_claims(path, 16, 60, 0);
+    EXPECT_THAT(refusal([&] { decode_image(path); }), HasSubstr("a TIFF of 60 channels, unsigned"));
+    write_claims(path, 16, 1, 32768);
+    EXPECT_THAT(refusal([&] { decode_image(path); }), HasSubstr("allowed are up to 8192"));
+}
+
 TEST(ImageDecoders, NumbersAsTextAreScaledToWhatTheFileStatesAsLargest) {
     const TemporaryFolder folder;
-    for (const char* text :
-         {"P2\n6 1\n100\n7 1 2 3 99 50\n", "P3\n2 1\n100\n7 1 2 3 99 50\n", "P2\n3 1\n500\n7 1 501\n",
-          "P1\n5 2\n01101\n1 0 0 1 1\n", "P2 # a comment\n2 1 # another\n15\n15 17\n"}) {
+    for (const char* text : {"P2\n6 1\n100\n7 1 2 3 99 50\n", "P3\n2 1\n100\n7 1 2 3 99 50\n",
+                             "P2\n3 1\n500\n7 1 501\n", "P1\n5 2\n01101\n1 0 0 1 1\n",
+                             "P2 # a comment\n2 1 # another\n15\n15 17\n", "P2\n2 1\n255\n# made 2024\n1 2\n"}) {
         write_file(folder.file("a.pgm"), text);
         expect_as_opencv(folder.file("a.pgm"));
     }
@@ -203,6 +237,12 @@ TEST(ImageDecoders, WhatIsNotReadIsRefusedInOneLine) {
     EXPECT_THAT(refusal([&] { decode_image(path); }), HasSubstr("found pixels of 32 bits (a TIFF of 1 channels"));
     ASSERT_TRUE(cv::imwrite(folder.file("a.pfm"), cv::Mat(4, 4, CV_32FC1, cv::Scalar(1))));
     EXPECT_THAT(refusal([&] { decode_image(folder.file("a.pfm")); }), HasSubstr("found floats (PFM)"));
+    write_file(folder.file("a.pgm"), "P5\n0 4\n255\n");
+    EXPECT_THAT(refusal([&] { decode_image(folder.file("a.pgm")); }), HasSubstr("says no size"));
+    for (const char* text : {"P2\n2 1\n255\n1x2\n", "P2\n2 1\n255\n-5 7\n"}) {
+        write_file(folder.file("a.pgm"), text);
+        EXPECT_THAT(refusal([&] { decode_image(folder.file("a.pgm")); }), HasSubstr("no number"));
+    }
     std::string bmp("BM\0\0\0\0\0\0\0\0\x3e\0\0\0\x28\0\0\0\x08\0\0\0\x01\0\0\0\x01\0\x01", 29);
     bmp.resize(66, '\0');
     write_file(folder.file("a.bmp"), bmp);
