@@ -50,8 +50,10 @@ Taken take_some(capture::FrameSource& source) {
     constexpr std::chrono::seconds patience{5};
     Taken taken;
     std::chrono::nanoseconds begin{};
-    constexpr int most = 4;
-    int count = -1;  // but for the first, at which much is made ready
+    bool any = false;
+    // Not measured: the first, at which much is made ready, and those that a recording may have decoded before.
+    constexpr int unmeasured = 9, most = 4;
+    int count = -unmeasured;
     try {
         capture::RawFrame frame;
         const auto deadline = steady_clock::now() + patience;
@@ -61,10 +63,11 @@ Taken take_some(capture::FrameSource& source) {
             }
             source.give_back(frame);
             begin = count < 0 ? pipeline::processor_time() : begin;
+            any = true;
             ++count;
         }
     } catch (const std::runtime_error& error) {
-        taken.problem = count < 0 ? base::failure_text(error) : "";
+        taken.problem = any ? "" : base::failure_text(error);
         return taken;
     }
     if (count > 0) {

@@ -45,7 +45,9 @@ void print(const McapReport& report) {
         std::cout << ", and " << base::counted(*report.dropped_samples, "sample") << " of the sensors";
     }
     if (report.dropped_before.value_or(0) > 0) {
-        std::cout << "; " << *report.dropped_before << " more never came from the daemon, which dropped or lost them";
+        // Frames that did not come here in time took with them what they told of those before.
+        std::cout << "; " << (report.dropped.value_or(0) > 0 ? "at least " : "") << *report.dropped_before
+                  << " more never came from the daemon, which dropped or lost them";
     }
     if (report.without_camera_info.value_or(0) > 0) {
         std::cout << "; " << base::counted(*report.without_camera_info, "raw pair")

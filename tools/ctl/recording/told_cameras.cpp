@@ -8,6 +8,8 @@ namespace disparityd::tools {
 
 void CamerasByCalibration::take(ToldCameras told) {
     const std::lock_guard lock(mutex_);
+    // Told again, it must not push another one out.
+    std::erase_if(told_, [&told](const auto& known) { return known->calibration_id == told.calibration_id; });
     told_.push_front(std::make_shared<const ToldCameras>(std::move(told)));
     if (told_.size() > most) {
         told_.pop_back();
