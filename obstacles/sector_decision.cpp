@@ -27,6 +27,36 @@ std::uint32_t support(std::uint32_t side, std::uint32_t columns) {
     return std::max(static_cast<std::uint32_t>((std::uint64_t{wide} * side * support_share) >> 16), least_support);
 }
 
+/// The heights of the band from the camera on, and the side of the smallest obstacle in it, in mm.
+struct HidingRoom {
+    double above;
+    double below;
+    double side;
+};
+
+/// No obstacle hides at any distance.
+constexpr double nowhere = 1e9;
+
+/// Returns the least distance in mm, at least `least`, at which an obstacle can hide in rows that fall from `top` to
+/// `bottom` per horizontal mm. They show, at distance r, the heights r top to r bottom below the camera; an obstacle
+/// hides when as much of that is in the band as its side.
+double hiding_distance(double top, double bottom, const HidingRoom& room, double least) {
+    double from = std::max(least, bottom > top ? room.side / (bottom - top) : nowhere);
+    double to = nowhere;
+    const auto limit = [&](double per_mm, double most) {  // per_mm r <= most
+        if (per_mm > 0) {
+            to = std::min(to, most / per_mm);
+        } else if (per_mm < 0) {
+            from = std::max(from, most / per_mm);
+        } else if (most < 0) {
+            to = 0;
+        }
+    };
+    limit(-bottom, room.above - room.side);
+    limit(top, room.below - room.side);
+    return from <= to ? from : nowhere;
+}
+
 template <typename T>
 T rounded(double value) {
     using Limits = std::numeric_limits<T>;
@@ -45,11 +75,7 @@ SectorDecision::SectorDecision(const Geometry& geometry)
       area_(index(geometry.sectors()) * index(geometry.groups())),
       masked_(area_.size()),
       all_masked_(index(geometry.sectors())),
-      found_(index(geometry.sectors())),
-      right_view_(geometry) {
-    falls_.reserve(index(geometry.groups()) + 1);
-    clear_.reserve(index(geometry.groups()));
-}
+      found_(index(geometry.sectors())) {}
 
 void SectorDecision::set(const Geometry& geometry, const ImageMask& mask) {
     if (!geometry.camera().metric()) {
@@ -174,7 +200,7 @@ void SectorDecision::find_obstacles(const Geometry& geometry) {
 
 /// Returns the distance in mm up to which no obstacle of the smallest size can hide where nothing was measured.
 double SectorDecision::free_distance(const Geometry& geometry, const GroundPlane& ground, const Counts& counts,
-                                     int sector) {
+                                     int sector) const {
     const ScanOptions& options = geometry.options();
     const double h = 1000 * (options.camera_height_m - ground.height_m);
     HidingRoom room{1000 * options.high_m - h, h - 1000 * options.low_m, 1000 * options.object_m};
@@ -201,32 +227,14 @@ double SectorDecision::free_distance(const Geometry& geometry, const GroundPlane
             continue;
         }
         if (begin >= 0) {
-            double hidden = hiding_distance(slope - geometry.rise(sector, begin), slope - geometry.rise(sector, group),
-                                            masked ? behind_mask : room, least);
-            if (hidden < free && !masked) {
-                hidden = hidden_from_right(geometry, slope, sector, begin, group, room);
-            }
-            free = std::min(free, hidden);
+            free = std::min(free,
+                            hiding_distance(slope - geometry.rise(sector, begin), slope - geometry.rise(sector, group),
+                                            masked ? behind_mask : room, least));
             begin = -1;
             masked = false;
         }
     }
     return any ? free : 0;
-}
-
-/// Returns the least distance at which an obstacle can hide in the groups [begin, end) of a sector and from what the
-/// right eye shows of them.
-double SectorDecision::hidden_from_right(const Geometry& geometry, double slope, int sector, int begin, int end,
-                                         const HidingRoom& room) {
-    falls_.clear();
-    clear_.clear();
-    for (int group = begin; group < end; ++group) {
-        const std::int16_t* const edges = geometry.edges(group);
-        falls_.push_back(slope - geometry.rise(sector, group));
-        clear_.push_back(right_view_.clear(geometry, group, edges[sector + 1], edges[sector]));
-    }
-    falls_.push_back(slope - geometry.rise(sector, end));
-    return hiding_distance(falls_, clear_, room, 1000 * geometry.options().min_m);
 }
 
 /// Fills in the distance of an obstacle and its error.
@@ -300,7 +308,6 @@ void SectorDecision::decide(const Pixels& pixels, const Geometry& geometry, cons
                             const Counts& counts, std::span<ScanSector> sectors) {
     sum_windows(counts);
     find_obstacles(geometry);
-    right_view_.begin(pixels);
     for (int s = 0; s < geometry.sectors(); ++s) {
         ScanSector& out = sectors[index(s)];
         out = {};

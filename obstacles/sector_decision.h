@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "kernels/scan_counts.h"
-#include "obstacles/hiding.h"
 #include "obstacles/image_mask.h"
-#include "obstacles/right_view.h"
 #include "obstacles/scan.h"
 #include "obstacles/scan_geometry.h"
 
@@ -38,9 +36,7 @@ private:
     void sum_windows(const Counts& counts);
     int nearest(const std::uint32_t* one, const std::uint32_t* other, int top, int columns, std::uint32_t all) const;
     void find_obstacles(const Geometry& geometry);
-    double free_distance(const Geometry& geometry, const GroundPlane& ground, const Counts& counts, int sector);
-    double hidden_from_right(const Geometry& geometry, double slope, int sector, int begin, int end,
-                             const HidingRoom& room);
+    double free_distance(const Geometry& geometry, const GroundPlane& ground, const Counts& counts, int sector) const;
     void describe(const Geometry& geometry, const Counts& counts, int sector, ScanSector& out) const;
     void add_extent(const Pixels& pixels, const Geometry& geometry, const GroundPlane& ground, const Counts& counts,
                     int sector, ScanSector& out) const;
@@ -55,10 +51,6 @@ private:
     std::vector<std::uint32_t> masked_;       ///< of that, px
     std::vector<bool> all_masked_;            ///< by sector: it has pixels, and all are masked
     std::vector<Found> found_;
-    RightView right_view_;
-    // By group of rows that hide something, and by their edges.
-    std::vector<Clear> clear_;
-    std::vector<double> falls_;
 };
 
 }  // namespace disparityd::scan

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -206,7 +205,7 @@ TEST(ObstacleScanner, FarAwayIsFreeButNotAnObstacle) {
 TEST(ObstacleScanner, AHoleLimitsWhatIsFree) {
     Frame frame = room(0.3, 6);
     // A board of 0.3 x 0.3 m at 1.5 m of which nothing was measured: 40 px. A smallest obstacle of 0.1 m fills it from
-    // 0.5 m on, but so near it would hide from the right eye what is measured beside it.
+    // 0.5 m on.
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             if (std::abs(left_of(x) * 1.5) < 0.15 && std::abs(0.3 - down_of(y) * 1.5 - 0.25) < 0.15) {
@@ -215,54 +214,13 @@ TEST(ObstacleScanner, AHoleLimitsWhatIsFree) {
         }
     }
     const Scan scan = scanned(frame, usual());
-    EXPECT_LT(ahead(scan).free_mm, 1500);
-    EXPECT_GE(ahead(scan).free_mm, 500);
+    EXPECT_LT(ahead(scan).free_mm, 700);
+    EXPECT_GE(ahead(scan).free_mm, 350);
     EXPECT_GT(scan.sectors.front().free_mm, 2500) << "the hole is not there";
     // What is larger cannot hide there so near.
     ScanOptions large = usual();
     large.object_m = 0.25;
     EXPECT_GT(ahead(scanned(frame, large)).free_mm, 1000);
-}
-
-TEST(ObstacleScanner, WhereNeitherEyeMeasuresNothingIsFree) {
-    Frame frame = room(0.3, 6);
-    for (int y = 0; y < height; ++y) {
-        for (int x = width / 4; x < width - width / 4; ++x) {
-            frame.reject(x, y);
-        }
-    }
-    EXPECT_LT(ahead(scanned(frame, usual())).free_mm, 350);
-}
-
-TEST(ObstacleScanner, WhatAThingHidesFromTheRightEyeIsFreeUpToTheThing) {
-    constexpr double thing_m = 0.8;
-    Frame frame = room(0.3, 6);
-    add_board(frame, thing_m, -0.6, -0.2, 0, 0.6, 0.3);
-    // In the left image the strip is to the left of the board's edge, as wide as the disparities differ.
-    const auto edge = static_cast<int>((width - 1) / 2.0 + 0.2 * f / thing_m);
-    const auto wide = static_cast<int>(f * baseline_mm / 1000 * (1 / thing_m - 1.0 / 6));
-    for (int y = 0; y < height; ++y) {
-        for (int x = edge - wide; x <= edge; ++x) {
-            const double up = 0.3 - down_of(y) * thing_m;
-            if (left_of(x) * thing_m > -0.2 && up >= 0 && up <= 0.6) {
-                frame.reject(x, y);
-            }
-        }
-    }
-    const double bearing = std::atan(left_of(edge - wide / 2)) * 18000 / std::numbers::pi;
-    const auto beside = [&](const Scan& scan) {
-        return *std::find_if(scan.sectors.begin(), scan.sectors.end(),
-                             [&](const ScanSector& sector) { return sector.to_cdeg >= bearing; });
-    };
-    EXPECT_GT(beside(scanned(frame, usual())).free_mm, 550);
-    EXPECT_LT(beside(scanned(frame, usual())).free_mm, 3000) << "behind it something may hide";
-    // A board that shows no texture may be anywhere: there the strip proves nothing.
-    for (int y = 0; y < height; ++y) {
-        for (int x = edge; x < width; ++x) {
-            frame.reject(x, y);
-        }
-    }
-    EXPECT_LT(beside(scanned(frame, usual())).free_mm, 1000 * thing_m);
 }
 
 TEST(ObstacleScanner, UnsurePixelsAreNeitherObstacleNorFree) {
