@@ -163,6 +163,44 @@ TEST_F(ProcessSplitTest, RangesThatDoNotBelongTogetherAreNotJoined) {
     EXPECT_THAT(whole.err, HasSubstr("which --split has begun"));
 }
 
+// The manifest of a range is there a moment before its process lets go of the folder.
+TEST_F(ProcessSplitTest, ShardsThatRunAtOnceAreTheSingleRun) {
+    ASSERT_EQ(process("whole").exit_code, 0);
+    std::vector<std::unique_ptr<Program>> shards;
+    for (const char* const which : {"0/4", "1/4", "2/4", "3/4"}) {
+        shards.push_back(std::make_unique<Program>(
+            DISPARITYCTL, words("out", {"--split", "--shard", which, "--workers", "1", "--keep-going"})));
+    }
+    for (const auto& shard : shards) {
+        const Outcome ended = shard->wait();
+        EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    }
+    EXPECT_EQ(all_in("out"), all_in("whole"));
+    EXPECT_EQ(verify("out").exit_code, 0);
+}
+
+TEST_F(ProcessSplitTest, ASourceThatFailsKeepsNoOtherFromBeingDone) {
+    for (const char* const which : {"0/2", "1/2"}) {
+        const Outcome outcome =
+            run(DISPARITYCTL, {"process", path("absent.mkv"), path("walk.mkv"), "-o", path("out"), "--disparities",
+                               "16", "--no-trust", "--no-adaptive-noise", "--keep-going", "--split", "--shard", which});
+        EXPECT_EQ(outcome.exit_code, 2) << "as without --split";
+        EXPECT_THAT(outcome.err, HasSubstr("absent.mkv"));
+    }
+    EXPECT_TRUE(is_there("out/walk/manifest.json"));
+}
+
+TEST_F(ProcessSplitTest, ATableThatLostLinesIsNotJoined) {
+    ASSERT_EQ(shard("out", "0/2").exit_code, 0);
+    const std::string table = path("out/walk/range-0-of-2/times.csv");
+    const std::string text = read_file(table);
+    write_text(table, text.substr(0, text.rfind('\n', text.size() - 2) + 1));
+    const Outcome last = shard("out", "1/2");
+    EXPECT_EQ(last.exit_code, 1);
+    EXPECT_THAT(last.err, HasSubstr("range-0-of-2/times.csv: is damaged: found 3 lines for 3 frames; remove "));
+    EXPECT_TRUE(is_there("out/walk/range-0-of-2/000001.png")) << "nothing was moved";
+}
+
 TEST_F(ProcessSplitTest, WhatCannotBeCutIsRefusedByName) {
     const auto refused = [&](std::vector<std::string> more, const std::string& line) {
         more.insert(more.begin(), {"process", "-o", path("out"), "--disparities", "16"});

@@ -128,6 +128,25 @@ void remove_earlier_run(const std::string& folder) {
     }
 }
 
+void remove_half_written(const std::string& folder) {
+    std::vector<fs::path> half_written;
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (is_left_over(name) && name != GrowingFile::part_of(manifest_name)) {
+            half_written.push_back(entry.path());
+        }
+    }
+    for (const fs::path& path : half_written) {
+        if (!error) {
+            fs::remove(path, error);
+        }
+    }
+    if (error) {
+        refuse(folder, error);
+    }
+}
+
 FolderContent content_of(const fs::path& folder) {
     FolderContent content;
     std::error_code error;

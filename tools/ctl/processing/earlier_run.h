@@ -35,4 +35,8 @@ void check_content(const std::string& folder, const FolderContent& found, Replac
 /// names, and its lists. Throws std::runtime_error when the system refuses.
 void remove_earlier_run(const std::string& folder);
 
+/// Removes what a process that was killed has left half written, but for its manifest, which tells what it was begun
+/// with. Throws std::runtime_error when the system refuses.
+void remove_half_written(const std::string& folder);
+
 }  // namespace disparityd::tools

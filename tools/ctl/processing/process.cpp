@@ -51,11 +51,12 @@ ProcessArguments for_source(ProcessArguments arguments, const ListedSource& sour
     return arguments;
 }
 
-/// Processes a source. What keeps it from beginning is told in what is returned, too.
-ProcessDone attempt(const ProcessArguments& arguments, pipeline::WorkerPool& workers, const Shown& shown) {
+/// Returns what `step` returns. What keeps the source from beginning is told in what is returned, too.
+template <typename Step>
+ProcessDone attempt(const ProcessArguments& arguments, Step step) {
     ProcessDone failed;
     try {
-        return process_source(arguments, workers, shown);
+        return step();
     } catch (const base::DiskFull& error) {
         failed.refusal = error.what();
         failed.status = exit_again;
@@ -80,7 +81,7 @@ struct Task {
 
 /// Whether all of it is there.
 bool is_whole(const ProcessDone& done) {
-    return done.refusal.empty() && done.error.empty() && done.frames > 0 && !interrupted();
+    return done.refusal.empty() && done.error.empty() && done.left_out.empty() && done.frames > 0 && !interrupted();
 }
 
 /// Does what follows when all frames are there, and keeps what goes wrong.
@@ -114,7 +115,11 @@ void try_to_join(const SplitSource& split, ProcessDone& done) {
 
 /// Writes what a benchmark's server takes, where the source is whole.
 void try_to_submit(const ProcessArguments& arguments, ProcessDone& done) {
-    if (arguments.submission.empty() || !is_whole(done)) {
+    if (arguments.submission.empty() || !done.refusal.empty()) {
+        return;
+    }
+    if (!is_whole(done)) {
+        print_note(done.folder + ": not all frames are there, nothing is written for the submission");
         return;
     }
     guarded(done, [&] {
@@ -126,9 +131,8 @@ void try_to_submit(const ProcessArguments& arguments, ProcessDone& done) {
 /// Does a task, of whose source these are the arguments.
 ProcessDone perform(const ProcessArguments& arguments, const Task& task, pipeline::WorkerPool& workers,
                     const Shown& shown) {
-    ProcessDone done = task.before  ? *task.before
-                       : task.split ? attempt(task.split->arguments(arguments), workers, shown)
-                                    : attempt(arguments, workers, shown);
+    const ProcessArguments own = task.split ? task.split->arguments(arguments) : arguments;
+    ProcessDone done = task.before ? *task.before : attempt(own, [&] { return process_source(own, workers, shown); });
     if (task.split) {
         try_to_join(*task.split, done);
     }
@@ -237,6 +241,19 @@ std::optional<Task> task_of(const ProcessArguments& arguments, const ListedSourc
     return task;
 }
 
+/// The same. With --keep-going what a range cannot be cut of is told when its turn comes, as other sources that fail.
+std::optional<Task> task_or_failure_of(const ProcessArguments& arguments, const ListedSource& source) {
+    if (!arguments.split || !arguments.keep_going) {
+        return task_of(arguments, source);
+    }
+    std::optional<Task> task;
+    const ProcessDone failed = attempt(arguments, [&] {
+        task = task_of(arguments, source);
+        return ProcessDone();
+    });
+    return failed.refusal.empty() ? task : Task{source, std::nullopt, failed};
+}
+
 int process(const ProcessArguments& arguments) {
     catch_interrupts();
     if (arguments.folder.empty() && !arguments.plan) {
@@ -265,7 +282,7 @@ int process(const ProcessArguments& arguments) {
         if (interrupted() && !tasks.empty()) {
             break;
         }
-        if (auto task = task_of(for_source(arguments, source, is_list), source)) {
+        if (auto task = task_or_failure_of(for_source(arguments, source, is_list), source)) {
             tasks.push_back(std::move(*task));
         } else {
             --sources;

@@ -2,9 +2,13 @@
 #include "tools/ctl/processing/shards/join_ranges.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <memory>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "base/failure_text.h"
@@ -64,6 +68,28 @@ void move_file(const std::string& from, const std::string& to, const std::string
     }
 }
 
+/// Waits for the process that has just finished the range: its manifest is there a moment before it lets go of the
+/// folder. Throws as FolderLock where it does not.
+std::unique_ptr<FolderLock> lock_finished(const std::string& folder) {
+    constexpr std::chrono::milliseconds pause{50};
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    for (;;) {
+        try {
+            return std::make_unique<FolderLock>(folder, FolderLock::Missing::leave);
+        } catch (const std::runtime_error&) {
+            if (std::chrono::steady_clock::now() > patience) {
+                throw;
+            }
+        }
+        std::this_thread::sleep_for(pause);
+    }
+}
+
+[[noreturn]] void refuse_times(const ShardRange& range, const std::string& why) {
+    throw std::invalid_argument(range.folder + '/' + times_name + ": is damaged: " + why + "; remove " + range.folder +
+                                ", and let --resume make it again");
+}
+
 /// Returns a line of times.csv without the times of so many steps, which stand before the last column.
 std::string without_steps(const std::string& line, std::ptrdiff_t steps) {
     std::size_t at = line.rfind(',');
@@ -86,20 +112,32 @@ void join_times(const SplitSource& source) {
     const bool alike = std::all_of(heads.begin(), heads.end(), [&](const auto& head) { return head == heads[0]; });
     GrowingFile times(source.folder + '/' + times_name);
     for (std::size_t i = 0; i < source.ranges.size(); ++i) {
-        const std::ptrdiff_t left_out = alike ? 0 : commas(heads[i]) - commas(known);
-        std::ifstream file(source.ranges[i].folder + '/' + times_name);
-        bool head = true;
-        for (std::string line; std::getline(file, line); head = false) {
-            if (!head || i == 0) {
+        const ShardRange& range = source.ranges[i];
+        const std::ptrdiff_t columns = commas(heads[i]);
+        if (columns < commas(known)) {
+            refuse_times(range, "found another first line");
+        }
+        const std::ptrdiff_t left_out = alike ? 0 : columns - commas(known);
+        std::uint64_t frames = 0, lines = 0;
+        read_manifest(range.folder, [&frames](const Json&) { ++frames; });
+        std::ifstream file(range.folder + '/' + times_name);
+        for (std::string line; std::getline(file, line); ++lines) {
+            if (commas(line) != columns) {
+                refuse_times(range, "line " + std::to_string(lines + 1) + " has other columns than the first");
+            }
+            if (lines > 0 || i == 0) {
                 times.write(without_steps(line, left_out) + '\n');
             }
+        }
+        if (lines != frames + 1) {
+            refuse_times(range, "found " + std::to_string(lines) + " lines for " + std::to_string(frames) + " frames");
         }
     }
     times.finish();
 }
 
-/// Writes corrections.csv of the whole where a range has one.
-void join_corrections(const SplitSource& source) {
+/// Writes corrections.csv of the whole where a range has one. Returns whether there is one.
+bool join_corrections(const SplitSource& source) {
     std::optional<GrowingFile> corrections;
     for (const ShardRange& range : source.ranges) {
         std::ifstream file(range.folder + '/' + corrections_name);
@@ -118,6 +156,7 @@ void join_corrections(const SplitSource& source) {
     if (corrections) {
         corrections->finish();
     }
+    return corrections.has_value();
 }
 
 /// Throws where two ranges were not made with the same things.
@@ -152,13 +191,36 @@ void clear_folder(const std::string& folder, const Json& parameters) {
     if (base::is_file(manifest)) {
         fs::rename(manifest, GrowingFile::part_of(manifest));
     }
+    remove_half_written(folder);
+    fs::remove(folder + '/' + corrections_name);
+}
+
+/// Adds what tells the files of each frame of a run from others.
+void add_frames(std::vector<std::size_t>& frames, const std::string& folder) {
+    read_manifest(folder, [&frames](const Json& frame) {
+        frames.push_back(std::hash<std::string>{}(frame.at("sha256").dump()));
+    });
+}
+
+/// Returns how many frames the whole has where it was made of these ranges already: then they are only left over.
+std::optional<std::uint64_t> joined_before(const SplitSource& source, const Json& first) {
+    if (!base::is_file(source.folder + '/' + manifest_name) ||
+        common(first) != common(read_manifest(source.folder, [](const Json&) {}))) {
+        return std::nullopt;
+    }
+    std::vector<std::size_t> whole, parts;
+    add_frames(whole, source.folder);
+    for (const ShardRange& range : source.ranges) {
+        add_frames(parts, range.folder);
+    }
+    return whole == parts ? std::optional<std::uint64_t>(whole.size()) : std::nullopt;
 }
 
 /// Moves the files of all frames and adds them to the manifest. Returns how many frames there are.
 std::uint64_t move_frames(const SplitSource& source, ManifestWriter& whole) {
     std::uint64_t frames = 0;
     for (const ShardRange& range : source.ranges) {
-        const FolderLock lock(range.folder, FolderLock::Missing::leave);  // nobody makes it anew meanwhile
+        const auto lock = lock_finished(range.folder);  // nobody makes it anew meanwhile
         read_manifest(range.folder, [&](const Json& frame) {
             for (const auto& [name, digest] : frame.at("sha256").items()) {
                 move_file(range.folder, source.folder, name);
@@ -184,17 +246,20 @@ Json losses_of(const std::vector<Json>& manifests) {
 std::uint64_t join(const SplitSource& source, const FolderLock& lock) {
     const std::vector<Json> manifests = read_ranges(source.ranges);
     const Json& first = manifests.front();
+    if (const auto frames = joined_before(source, first)) {
+        return *frames;
+    }
     clear_folder(source.folder, first["parameters"]);
     ManifestWriter whole(source.folder, first["parameters"]);
+    join_times(source);  // it names the files before they come
     const std::uint64_t frames = move_frames(source, whole);
-    join_times(source);
-    join_corrections(source);
+    const bool corrected = join_corrections(source);
     Json files = common(first)["files"];
     for (const auto& [name, digest] : files.items()) {
         move_file(source.ranges.front().folder, source.folder, name);
     }
-    if (const std::string path = source.folder + '/' + corrections_name; base::is_file(path)) {
-        files[corrections_name] = sha256_of_file(path);
+    if (corrected) {
+        files[corrections_name] = sha256_of_file(source.folder + '/' + corrections_name);
     }
     lock.sync(source.folder);
     whole.finish({{"parts", first["parts"]},
@@ -227,11 +292,14 @@ std::optional<std::uint64_t> join_ranges(const SplitSource& source) {
 
 void remove_joined_ranges(const std::string& folder) {
     for (const std::string& range : range_folders_in(folder)) {
-        const FolderLock lock(range, FolderLock::Missing::leave);
-        remove_earlier_run(range);
+        try {
+            const FolderLock lock(range, FolderLock::Missing::leave);
+            remove_earlier_run(range);
+        } catch (const std::runtime_error&) {
+            continue;  // another process holds it, and removes it
+        }
         std::error_code kept;
-        fs::remove(range, kept);
-        if (kept) {
+        if (!fs::remove(range, kept) && kept) {
             print_note(range + ": is not needed any more; it stays, as there are other files in it");
         }
     }
