@@ -160,7 +160,7 @@ cv::Mat decode_png(std::span<const std::uint8_t> file, const std::string& path) 
         refuse_png(path, std::string("libpng says: ") + reader.why());
     }
     cv::Mat image(reader.size(), type);
-    if (reader.row_bytes() != image.cols * image.elemSize()) {
+    if (reader.row_bytes() != static_cast<std::size_t>(image.cols) * image.elemSize()) {
         refuse_png(path, "the header of the PNG file says two things of its pixels");
     }
     std::vector<png_bytep> rows(static_cast<std::size_t>(image.rows));

@@ -22,7 +22,7 @@ struct PnmHead {
     bool bitmap() const { return kind == '1' || kind == '4'; }
     int channels() const { return kind == '3' || kind == '6' ? 3 : 1; }
     int value_bytes() const { return largest > 255 ? 2 : 1; }
-    cv::Mat image() const { return {height, width, CV_MAKETYPE(largest > 255 ? CV_16U : CV_8U, channels())}; }
+    cv::Mat image() const { return cv::Mat(height, width, CV_MAKETYPE(largest > 255 ? CV_16U : CV_8U, channels())); }
 };
 
 PnmHead read_pnm_head(std::string_view file, const std::string& path) {

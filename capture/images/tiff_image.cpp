@@ -168,7 +168,7 @@ bool read_tiles(TIFF* tiff, cv::Mat& image) {
 }
 
 bool read_rows(TIFF* tiff, cv::Mat& image) {
-    if (TIFFScanlineSize(tiff) != static_cast<tmsize_t>(image.cols * image.elemSize())) {
+    if (TIFFScanlineSize(tiff) != static_cast<tmsize_t>(static_cast<std::size_t>(image.cols) * image.elemSize())) {
         return false;
     }
     for (int y = 0; y < image.rows; ++y) {

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "bridges/frames/planes.h"
 #include "formats/png_writer.h"
 
