@@ -41,7 +41,7 @@ endif()
 macro(disparityd_waits_more_than_it_computes)
   if(DISPARITYD_SANITIZE)
     add_compile_options(-O0)
-  else()
+  elseif(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")  # whoever asks for less gets it
     add_compile_options($<$<CONFIG:Release>:-O2>)
   endif()
 endmacro()
