@@ -43,10 +43,17 @@ Json common(const Json& manifest) {
     return facts;
 }
 
-/// Returns the manifest of a range without its frames. Its parameters become those of the whole.
-Json read_range(const ShardRange& range) {
-    Json manifest = read_manifest(range.folder, [](const Json&) {});
-    Json& parameters = manifest["parameters"];
+/// The manifest of a range without its frames, and how many these are.
+struct RangeRun {
+    Json manifest;
+    std::uint64_t frames = 0;
+};
+
+/// Reads the manifest of a range. Its parameters become those of the whole.
+RangeRun read_range(const ShardRange& range) {
+    RangeRun run;
+    run.manifest = read_manifest(range.folder, [&run](const Json&) { ++run.frames; });
+    Json& parameters = run.manifest["parameters"];
     const Json first = range.first, frames = range.count ? Json(*range.count) : Json();
     if (parameters.value("first", Json()) != first || parameters.value("frames", Json()) != frames) {
         throw std::invalid_argument(range.folder +
@@ -55,7 +62,7 @@ Json read_range(const ShardRange& range) {
     }
     parameters["first"] = 0;
     parameters["frames"] = nullptr;
-    return manifest;
+    return run;
 }
 
 /// Moves a file of a range, unless a join that was killed has done so.
@@ -101,7 +108,7 @@ std::string without_steps(const std::string& line, std::ptrdiff_t steps) {
 }
 
 /// Writes times.csv of the whole. Two back ends have different steps: then their times are left out, the sum stays.
-void join_times(const SplitSource& source) {
+void join_times(const SplitSource& source, const std::vector<RangeRun>& runs) {
     std::vector<std::string> heads;
     for (const ShardRange& range : source.ranges) {
         std::ifstream file(range.folder + '/' + times_name);
@@ -118,8 +125,8 @@ void join_times(const SplitSource& source) {
             refuse_times(range, "found another first line");
         }
         const std::ptrdiff_t left_out = alike ? 0 : columns - commas(known);
-        std::uint64_t frames = 0, lines = 0;
-        read_manifest(range.folder, [&frames](const Json&) { ++frames; });
+        const std::uint64_t frames = runs[i].frames;
+        std::uint64_t lines = 0;
         std::ifstream file(range.folder + '/' + times_name);
         for (std::string line; std::getline(file, line); ++lines) {
             if (commas(line) != columns) {
@@ -172,13 +179,13 @@ void check_belongs(const ShardRange& range, const Json& manifest, const ShardRan
 }
 
 /// Reads the manifests of all ranges. Throws where two do not belong together.
-std::vector<Json> read_ranges(const std::vector<ShardRange>& ranges) {
-    std::vector<Json> manifests;
+std::vector<RangeRun> read_ranges(const std::vector<ShardRange>& ranges) {
+    std::vector<RangeRun> runs;
     for (const ShardRange& range : ranges) {
-        manifests.push_back(read_range(range));
-        check_belongs(range, manifests.back(), ranges.front(), manifests.front());
+        runs.push_back(read_range(range));
+        check_belongs(range, runs.back().manifest, ranges.front(), runs.front().manifest);
     }
-    return manifests;
+    return runs;
 }
 
 /// What is in the folder must neither look finished nor stay where it was made with other things.
@@ -233,25 +240,25 @@ std::uint64_t move_frames(const SplitSource& source, ManifestWriter& whole) {
 }
 
 /// Returns the losses of all ranges.
-Json losses_of(const std::vector<Json>& manifests) {
+Json losses_of(const std::vector<RangeRun>& runs) {
     Json losses{{"damaged", 0}, {"left_out", Json::array()}, {"lost", 0}};
-    for (const Json& manifest : manifests) {
+    for (const RangeRun& run : runs) {
         for (const char* const name : {"damaged", "lost"}) {
-            losses[name] = losses[name].get<std::uint64_t>() + manifest["losses"].at(name).get<std::uint64_t>();
+            losses[name] = losses[name].get<std::uint64_t>() + run.manifest.at("losses").at(name).get<std::uint64_t>();
         }
     }
     return losses;
 }
 
 std::uint64_t join(const SplitSource& source, const FolderLock& lock) {
-    const std::vector<Json> manifests = read_ranges(source.ranges);
-    const Json& first = manifests.front();
+    const std::vector<RangeRun> runs = read_ranges(source.ranges);
+    const Json& first = runs.front().manifest;
     if (const auto frames = joined_before(source, first)) {
         return *frames;
     }
     clear_folder(source.folder, first["parameters"]);
     ManifestWriter whole(source.folder, first["parameters"]);
-    join_times(source);  // it names the files before they come
+    join_times(source, runs);  // it names the files before they come
     const std::uint64_t frames = move_frames(source, whole);
     const bool corrected = join_corrections(source);
     Json files = common(first)["files"];
@@ -263,7 +270,7 @@ std::uint64_t join(const SplitSource& source, const FolderLock& lock) {
     }
     lock.sync(source.folder);
     whole.finish({{"parts", first["parts"]},
-                  {"losses", losses_of(manifests)},
+                  {"losses", losses_of(runs)},
                   {"files", files},
                   {"scan_sha256", nullptr},
                   {"input_sha256", first.value("input_sha256", Json())}});
