@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/png_writer.h"
 
-#include <array>
 #include <csetjmp>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -11,13 +9,15 @@
 #include <png.h>
 #include <zlib.h>
 
+#include "formats/png_errors.h"
+
 namespace disparityd::formats {
 namespace {
 
-/// Owns libpng's state. Its errors jump: between setjmp() and the calls of libpng no function has anything to destroy.
+/// Owns libpng's state.
 class PngWriter {
 public:
-    PngWriter() : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning)) {
+    PngWriter() : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, &errors_, PngErrors::refuse, PngErrors::ignore)) {
         info_ = png_ == nullptr ? nullptr : png_create_info_struct(png_);
         if (info_ == nullptr) {
             png_destroy_write_struct(&png_, nullptr);
@@ -59,16 +59,9 @@ public:
 
     std::string& bytes() { return bytes_; }
     bool memory_ended() const { return memory_ended_; }
-    const char* why() const { return why_.data(); }
+    const char* why() const { return errors_.why(); }
 
 private:
-    [[noreturn]] static void on_error(png_structp png, png_const_charp message) {
-        auto* const self = static_cast<PngWriter*>(png_get_error_ptr(png));
-        std::strncpy(self->why_.data(), message, self->why_.size() - 1);
-        std::longjmp(png_jmpbuf(png), 1);
-    }
-    static void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
-
     static void take(png_structp png, png_bytep from, std::size_t size) {
         auto* const self = static_cast<PngWriter*>(png_get_io_ptr(png));
         try {
@@ -82,7 +75,7 @@ private:
     }
 
     std::string bytes_;
-    std::array<char, 128> why_{};
+    PngErrors errors_;
     bool memory_ended_ = false;
     png_structp png_;
     png_infop info_ = nullptr;

@@ -41,4 +41,7 @@ cv::Mat decode_bmp(std::span<const std::uint8_t> file, const std::string& path);
 /// Throws std::invalid_argument: the file was cut off, and `least` bytes should be there.
 [[noreturn]] void refuse_cut_image(const std::string& path, std::uint64_t found, std::uint64_t least);
 
+/// Throws std::invalid_argument: the image is to be turned or mirrored before it is shown, as EXIF and TIFF number it.
+[[noreturn]] void refuse_turned_image(const std::string& path, int orientation);
+
 }  // namespace disparityd::capture

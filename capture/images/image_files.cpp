@@ -50,10 +50,7 @@ ImageSize checked_size(std::istream& file, const std::string& path) {
                "found " + base::size_text(size->width, size->height) + " pixels, allowed are up to 8192 on a side");
     }
     if (const int orientation = read_image_orientation(file); orientation != 1) {
-        refuse(path, "declares that it is to be turned or mirrored before it is shown (orientation " +
-                         std::to_string(orientation) +
-                         " of EXIF or TIFF), which is not done here: turn the pixels of both eyes (jpegtran, "
-                         "ImageMagick's -auto-orient), or remove the tag");
+        refuse_turned_image(path, orientation);
     }
     return *size;
 }
@@ -137,6 +134,13 @@ cv::Mat decode_of_size(TakeBytes&& take_bytes, ImageSize size, const std::string
 void refuse_cut_image(const std::string& path, std::uint64_t found, std::uint64_t least) {
     refuse(path, "is damaged: the file was cut off, " + std::to_string(found) + " of " + std::to_string(least) +
                      " bytes are there");
+}
+
+void refuse_turned_image(const std::string& path, int orientation) {
+    refuse(path, "declares that it is to be turned or mirrored before it is shown (orientation " +
+                     std::to_string(orientation) +
+                     " of EXIF or TIFF), which is not done here: turn the pixels of both eyes (jpegtran, "
+                     "ImageMagick's -auto-orient), or remove the tag");
 }
 
 std::optional<ImageSize> peek_image_size(const std::string& path) {

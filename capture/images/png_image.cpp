@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <csetjmp>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 #include <string_view>
@@ -12,6 +11,7 @@
 #include <zlib.h>
 
 #include "capture/images/image_decoders.h"
+#include "formats/png_errors.h"
 
 namespace disparityd::capture {
 namespace {
@@ -55,11 +55,13 @@ std::vector<std::uint8_t> checked_png(std::span<const std::uint8_t> file, const 
     }
 }
 
-/// Owns libpng's state. Its errors jump: between setjmp() and the calls of libpng no function has anything to destroy.
+/// Owns libpng's state.
 class PngReader {
 public:
     explicit PngReader(std::span<const std::uint8_t> file)
-        : left_(file), png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning)) {
+        : left_(file),
+          png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &errors_, formats::PngErrors::refuse,
+                                      formats::PngErrors::ignore)) {
         info_ = png_ == nullptr ? nullptr : png_create_info_struct(png_);
         if (info_ == nullptr) {
             png_destroy_read_struct(&png_, nullptr, nullptr);
@@ -125,16 +127,9 @@ public:
     }
 
     /// What libpng refused.
-    const char* why() const { return why_.data(); }
+    const char* why() const { return errors_.why(); }
 
 private:
-    [[noreturn]] static void on_error(png_structp png, png_const_charp message) {
-        auto* const self = static_cast<PngReader*>(png_get_error_ptr(png));
-        std::strncpy(self->why_.data(), message, self->why_.size() - 1);
-        std::longjmp(png_jmpbuf(png), 1);
-    }
-    static void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
-
     static void take(png_structp png, png_bytep to, std::size_t bytes) {
         auto* const self = static_cast<PngReader*>(png_get_io_ptr(png));
         if (bytes > self->left_.size()) {
@@ -145,7 +140,7 @@ private:
     }
 
     std::span<const std::uint8_t> left_;
-    std::array<char, 128> why_{};
+    formats::PngErrors errors_;
     png_structp png_;
     png_infop info_ = nullptr;
 };

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include <opencv2/imgproc.hpp>
+
 #include "capture/images/image_decoders.h"
 #include "capture/images/image_header.h"
 
@@ -22,17 +24,16 @@ struct PnmHead {
     bool bitmap() const { return kind == '1' || kind == '4'; }
     int channels() const { return kind == '3' || kind == '6' ? 3 : 1; }
     int value_bytes() const { return largest > 255 ? 2 : 1; }
-    cv::Mat image() const { return cv::Mat(height, width, CV_MAKETYPE(largest > 255 ? CV_16U : CV_8U, channels())); }
+    cv::Mat image() const {
+        return cv::Mat(height, width, CV_MAKETYPE(value_bytes() == 2 ? CV_16U : CV_8U, channels()));
+    }
 };
 
 PnmHead read_pnm_head(std::string_view file, const std::string& path) {
     constexpr std::size_t longest_head = 4096;
     constexpr std::uint64_t most_pixels = largest_image_side, most_value = 65535;
     PnmHead head{.kind = file[1]};
-    std::array<std::uint64_t, 3> numbers{0, 0, 1};
-    if (!head.bitmap()) {
-        numbers[2] = 0;
-    }
+    std::array<std::uint64_t, 3> numbers{0, 0, head.bitmap() ? 1U : 0U};
     head.end = read_pnm_numbers(file.substr(0, longest_head), std::span(numbers).first(head.bitmap() ? 2 : 3));
     if (head.end == 0 || numbers[0] < 1 || numbers[1] < 1 || numbers[0] > most_pixels || numbers[1] > most_pixels ||
         numbers[2] < 1 || numbers[2] > most_value) {
@@ -43,17 +44,6 @@ PnmHead read_pnm_head(std::string_view file, const std::string& path) {
     head.height = static_cast<int>(numbers[1]);
     head.largest = numbers[2];
     return head;
-}
-
-/// Swaps red and blue, which stand the other way round in the file.
-template <typename Value>
-void swap_red_and_blue(cv::Mat& image) {
-    for (int y = 0; y < image.rows; ++y) {
-        auto* const row = image.ptr<Value>(y);
-        for (int x = 0; x < 3 * image.cols; x += 3) {
-            std::swap(row[x], row[x + 2]);
-        }
-    }
 }
 
 /// Reads numbers one after the other; those of a bitmap are digits, which may stand together.
@@ -159,7 +149,7 @@ cv::Mat decode_pnm(std::span<const std::uint8_t> file, const std::string& path) 
         head.bitmap() ? read_pnm_bits(pixels, image) : read_pnm_bytes(pixels, image);
     }
     if (image.channels() == 3) {
-        head.value_bytes() == 1 ? swap_red_and_blue<std::uint8_t>(image) : swap_red_and_blue<std::uint16_t>(image);
+        cv::cvtColor(image, image, cv::COLOR_RGB2BGR);
     }
     return image;
 }

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <memory>
 #include <stdexcept>
-#include <vector>
 
 #include <opencv2/imgproc.hpp>
 #include <tiffio.h>
@@ -205,8 +204,7 @@ cv::Mat decode_tiff(std::span<const std::uint8_t> file, const std::string& path)
         refuse("is damaged: the TIFF says no size that is taken");
     }
     if (layout.orientation != ORIENTATION_TOPLEFT) {
-        refuse("declares that it is to be turned or mirrored before it is shown (orientation " +
-               std::to_string(layout.orientation) + " of TIFF), which is not done here: turn the pixels of both eyes");
+        refuse_turned_image(path, layout.orientation);
     }
     if (!layout.deep() && (layout.bits > 8 || layout.channels > 4)) {
         refuse("found pixels of " + std::to_string(layout.bits) + " bits (a TIFF of " +
