@@ -8,7 +8,7 @@
 #include "bridges/frames/planes.h"
 #include "bridges/frames/rvl.h"
 #include "bridges/ros_messages/message_header.h"
-#include "formats/png_writer.h"
+#include "formats/pictures/png_writer.h"
 
 namespace disparityd::ros {
 namespace {

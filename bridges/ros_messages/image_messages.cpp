@@ -10,7 +10,7 @@
 #include "bridges/frames/planes.h"
 #include "bridges/ros_messages/depth_metres.h"
 #include "bridges/ros_messages/message_header.h"
-#include "formats/jpeg_writer.h"
+#include "formats/pictures/jpeg_writer.h"
 
 namespace disparityd::ros {
 namespace {

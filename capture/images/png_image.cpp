@@ -11,7 +11,7 @@
 #include <zlib.h>
 
 #include "capture/images/image_decoders.h"
-#include "formats/png_errors.h"
+#include "formats/pictures/png_errors.h"
 
 namespace disparityd::capture {
 namespace {

@@ -15,8 +15,8 @@
 #include "base/write_failure.h"
 #include "base/write_target.h"
 #include "capture/images/image_files.h"
-#include "formats/jpeg_writer.h"
-#include "formats/png_writer.h"
+#include "formats/pictures/jpeg_writer.h"
+#include "formats/pictures/png_writer.h"
 
 namespace disparityd::images {
 namespace {

@@ -17,7 +17,7 @@
 #include "bridges/frames/planes.h"
 #include "bridges/web/images/colours.h"
 #include "clients/cpp/nearest_pixel.h"
-#include "formats/jpeg_writer.h"
+#include "formats/pictures/jpeg_writer.h"
 
 namespace disparityd::web {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "formats/jpeg_writer.h"
+#include "formats/pictures/jpeg_writer.h"
 
 namespace disparityd::web {
 

@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "bridges/frames/planes.h"
-#include "formats/png_writer.h"
+#include "formats/pictures/png_writer.h"
 
 namespace disparityd::web {
 namespace {

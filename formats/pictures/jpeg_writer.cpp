@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "formats/jpeg_writer.h"
+#include "formats/pictures/jpeg_writer.h"
 
 #include <stdexcept>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "formats/png_writer.h"
+#include "formats/pictures/png_writer.h"
 
 #include <csetjmp>
 #include <new>
@@ -9,7 +9,7 @@
 #include <png.h>
 #include <zlib.h>
 
-#include "formats/png_errors.h"
+#include "formats/pictures/png_errors.h"
 
 namespace disparityd::formats {
 namespace {
