@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
 using Clock = Link::Clock;
 
-constexpr std::chrono::seconds patience{60};
+constexpr std::chrono::seconds link_patience{60};
 
 /// What a terminal would change or act upon if it were not raw: line ends, flow control, interrupt, end of file.
 const Bytes awkward{0xfd, 0x0a, 0x0d, 0x11, 0x13, 0x03, 0x04, 0x00, 0xff, 0x7f, 0x1a, 0x80};
@@ -36,7 +36,7 @@ TEST(UdpLink, SendsAMessageAsOneDatagram) {
     UdpListener listener;
     const auto link = udp_link("127.0.0.1", listener.port());
     EXPECT_EQ(link->name(), "udp " + listener.address());
-    ASSERT_TRUE(link->send(awkward, Clock::now() + patience)) << link->problem();
+    ASSERT_TRUE(link->send(awkward, Clock::now() + link_patience)) << link->problem();
     EXPECT_EQ(listener.receive(), awkward);
     EXPECT_EQ(link->problem(), "");
     EXPECT_EQ(link->time_for(1000).count(), 0);
@@ -46,7 +46,7 @@ TEST(UdpLink, TakesNames) {
     UdpListener listener;
     const auto link = udp_link("localhost", listener.port());
     if (link->open()) {  // ::1 where that comes first: then nobody listens
-        link->send(awkward, Clock::now() + patience);
+        link->send(awkward, Clock::now() + link_patience);
     }
     EXPECT_THAT(link->problem(), testing::AnyOf("", HasSubstr("udp localhost:")));
 }
@@ -55,14 +55,14 @@ TEST(UdpLink, GoesOnWhenNobodyListensYet) {
     const std::uint16_t port = UdpListener().port();
     const auto link = udp_link("127.0.0.1", port);
     for (int i = 0; i < 100; ++i) {
-        link->send(awkward, Clock::now() + patience);
+        link->send(awkward, Clock::now() + link_patience);
         ASSERT_TRUE(link->open());
     }
     EXPECT_THAT(link->problem(), HasSubstr("nobody listens there; start what listens"));
     UdpListener listener(port);
-    ASSERT_TRUE(link->send(awkward, Clock::now() + patience));
+    ASSERT_TRUE(link->send(awkward, Clock::now() + link_patience));
     EXPECT_EQ(listener.receive(), awkward);
-    ASSERT_TRUE(link->send(awkward, Clock::now() + patience));
+    ASSERT_TRUE(link->send(awkward, Clock::now() + link_patience));
     EXPECT_EQ(link->problem(), "");
 }
 
@@ -79,14 +79,14 @@ TEST(UdpLink, SaysThatANameIsNotKnownAndDoesNotAskAgainAtOnce) {
 TEST(UdpLink, ThrowsAwayWhatComes) {
     UdpListener listener;
     const auto link = udp_link("127.0.0.1", listener.port());
-    ASSERT_TRUE(link->send(awkward, Clock::now() + patience));
+    ASSERT_TRUE(link->send(awkward, Clock::now() + link_patience));
     ASSERT_TRUE(listener.receive());
     for (int i = 0; i < 100; ++i) {
         listener.answer(Bytes(1000, 0xfd));
         listener.answer({});
         link->drain();
     }
-    EXPECT_TRUE(link->send(awkward, Clock::now() + patience));
+    EXPECT_TRUE(link->send(awkward, Clock::now() + link_patience));
     EXPECT_EQ(listener.receive(), awkward);
     EXPECT_EQ(link->problem(), "");
 }
@@ -94,7 +94,7 @@ TEST(UdpLink, ThrowsAwayWhatComes) {
 TEST(SerialLink, SendsBytesAsTheyAre) {
     TerminalPair terminal;
     const auto link = serial_link(terminal.path(), 57600);
-    ASSERT_TRUE(link->send(awkward, Clock::now() + patience)) << link->problem();
+    ASSERT_TRUE(link->send(awkward, Clock::now() + link_patience)) << link->problem();
     EXPECT_EQ(read(terminal, awkward.size()), awkward);
     EXPECT_EQ(link->problem(), "");
     EXPECT_EQ(link->name(), "serial " + terminal.path() + ":57600");
@@ -117,7 +117,7 @@ TEST(SerialLink, DropsAMessageThatFindsNoRoomInTime) {
     while (terminal.read(bytes, std::chrono::milliseconds(0))) {
     }
     EXPECT_LE(bytes.size(), 8192U) << "what waited was thrown away, but for what the reader's end (4096) holds already";
-    ASSERT_TRUE(link->send(awkward, Clock::now() + patience));
+    ASSERT_TRUE(link->send(awkward, Clock::now() + link_patience));
     EXPECT_EQ(link->problem(), "");
 }
 
@@ -125,12 +125,12 @@ TEST(SerialLink, ThrowsAwayWhatNobodyHasReadInTime) {
     TerminalPair terminal;
     const auto link = serial_link(terminal.path(), 921600);
     // The reader's end takes 4095 bytes into its own hands, where nobody but the reader gets at them.
-    ASSERT_TRUE(link->send(Bytes(4095, 1), Clock::now() + patience)) << link->problem();
-    ASSERT_TRUE(link->send(Bytes(2000, 2), Clock::now() + patience)) << link->problem();
-    const auto deadline = Clock::now() + patience;
+    ASSERT_TRUE(link->send(Bytes(4095, 1), Clock::now() + link_patience)) << link->problem();
+    ASSERT_TRUE(link->send(Bytes(2000, 2), Clock::now() + link_patience)) << link->problem();
+    const auto deadline = Clock::now() + link_patience;
     while (!link->forget_old() && Clock::now() < deadline) {
     }
-    ASSERT_TRUE(link->send(awkward, Clock::now() + patience)) << link->problem();
+    ASSERT_TRUE(link->send(awkward, Clock::now() + link_patience)) << link->problem();
     Bytes bytes;
     const auto has_come = [&bytes] {
         return bytes.size() >= awkward.size() && std::equal(awkward.rbegin(), awkward.rend(), bytes.rbegin());
@@ -146,7 +146,7 @@ TEST(SerialLink, ThrowsAwayNothingThatMayBeOnItsWay) {
     const auto link = serial_link(terminal.path(), 9600);
     const Bytes eight_seconds(8000, 1);
     for (int i = 0; i < 5; ++i) {
-        ASSERT_TRUE(link->send(eight_seconds, Clock::now() + patience)) << link->problem();
+        ASSERT_TRUE(link->send(eight_seconds, Clock::now() + link_patience)) << link->problem();
         EXPECT_FALSE(link->forget_old());
         EXPECT_EQ(read(terminal, eight_seconds.size()), eight_seconds);
     }
@@ -180,16 +180,16 @@ TEST(SerialLink, ComesBackWhenTheDeviceIsPluggedInAgain) {
     auto terminal = std::make_unique<TerminalPair>();
     std::filesystem::create_symlink(terminal->path(), device);
     const auto link = serial_link(device, 57600);
-    ASSERT_TRUE(link->send(awkward, Clock::now() + patience));
+    ASSERT_TRUE(link->send(awkward, Clock::now() + link_patience));
     terminal.reset();
     link->drain();
-    EXPECT_FALSE(link->send(awkward, Clock::now() + patience));
+    EXPECT_FALSE(link->send(awkward, Clock::now() + link_patience));
     EXPECT_THAT(link->problem(), HasSubstr("serial " + device));
 
     std::filesystem::remove(device);
     TerminalPair another;
     std::filesystem::create_symlink(another.path(), device);
-    const auto deadline = Clock::now() + patience;
+    const auto deadline = Clock::now() + link_patience;
     while (!link->send(awkward, Clock::now()) && Clock::now() < deadline) {
     }
     EXPECT_EQ(link->problem(), "");

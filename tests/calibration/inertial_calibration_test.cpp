@@ -25,7 +25,7 @@ using testing::HasSubstr;
 const Pose standing{{0, -1, 0, -1, 0, 0, 0, 0, -1}, {-20, -10, 0}};
 
 /// Is left-handed: x up, y left, z ahead.
-const std::array<double, 9> mirrored{0, -1, 0, -1, 0, 0, 0, 0, 1};
+const std::array<double, 9> mirroring{0, -1, 0, -1, 0, 0, 0, 0, 1};
 
 InertialCalibration known() {
     return {standing, -0.0025, 1.6968e-4, 1.9393e-5, 2e-3, 3e-3};
@@ -95,7 +95,7 @@ TEST(InertialText, ContradictionsAreRefused) {
         pair.inertial = inertial;
         return refusal([&] { calibration_from_text(to_text(pair), "recording"); });
     };
-    EXPECT_THAT(said({Pose{mirrored, {}}, {}, {}, {}, {}, {}}), HasSubstr("T_cam_imu: the matrix that turns"));
+    EXPECT_THAT(said({Pose{mirroring, {}}, {}, {}, {}, {}, {}}), HasSubstr("T_cam_imu: the matrix that turns"));
     EXPECT_THAT(said({Pose{{}, {0, 0, 200000}}, {}, {}, {}, {}, {}}), HasSubstr("is no rotation"));
     EXPECT_THAT(said({Pose{standing.rotation, {0, 0, 200000}}, {}, {}, {}, {}, {}}), HasSubstr("found an inertial"));
     EXPECT_THAT(said({{}, 61, {}, {}, {}, {}}), HasSubstr("timeshift_cam_imu: found 61, allowed is -60 to 60 s"));
@@ -112,7 +112,7 @@ TEST_F(InertialFiles, OurOwnFileHasAllOfIt) {
     EXPECT_THAT(said_of(write("own.yml", with_other(text, "timeshift_cam_imu: -0.0025", "timeshift_cam_imu: soon"))),
                 HasSubstr("timeshift_cam_imu: found 'soon', expected a number"));
     EXPECT_THAT(said_of(write("own.yml", text + "T_cam_imu2: 1\n")), HasSubstr("'T_cam_imu2'"));
-    pair.inertial.to_left_camera->rotation = mirrored;
+    pair.inertial.to_left_camera->rotation = mirroring;
     EXPECT_THAT(said_of(write("own.yml", to_opencv_yaml(pair))), HasSubstr("own.yml: T_cam_imu: the matrix"));
 }
 

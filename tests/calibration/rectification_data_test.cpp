@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path data_folder() {
+fs::path real_camera_folder() {
     const char* named = std::getenv("DISPARITYD_DATA");
     return named != nullptr ? named : DISPARITYD_DEFAULT_DATA;
 }
@@ -77,7 +77,7 @@ void expect_remap_with_and_without_k3(StereoCalibration calibration) {
 }
 
 TEST(RectificationOfRealCameras, EqualsRemapForEachZedAndMode) {
-    const fs::path folder = data_folder() / "zed";
+    const fs::path folder = real_camera_folder() / "zed";
     if (!fs::exists(folder)) {
         GTEST_SKIP() << "no calibrations in " << folder << "; DISPARITYD_DATA names the folder";
     }
@@ -97,7 +97,7 @@ TEST(RectificationOfRealCameras, EqualsRemapForEachZedAndMode) {
 }
 
 TEST(RectificationOfRealCameras, EqualsRemapForOpenCvsOwnPair) {
-    const fs::path intrinsics = data_folder() / "opencv_calib" / "intrinsics.yml";
+    const fs::path intrinsics = real_camera_folder() / "opencv_calib" / "intrinsics.yml";
     if (!fs::exists(intrinsics)) {
         GTEST_SKIP() << "no " << intrinsics << "; DISPARITYD_DATA names the folder";
     }

@@ -5,7 +5,10 @@ namespace disparityd::test {
 namespace {
 
 // The whole image, so that those who do not read fill the system's buffers.
-TEST_F(AbuseTest, GoodClientsMissNothingForAMinute) {
+/// Takes longer than the tests that everybody runs.
+using SlowAbuseTest = AbuseTest;
+
+TEST_F(SlowAbuseTest, GoodClientsMissNothingForAMinute) {
     run(config_text("scene:vga@15", 0, 0), std::chrono::seconds(60));
 }
 

@@ -23,20 +23,22 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int width = 16;
-constexpr int height = 4;
+constexpr int published_width = 16;
+constexpr int published_height = 4;
 
 StreamLayout one_product() {
     StreamLayout layout;
-    layout.geometry.width = width;
-    layout.geometry.height = height;
+    layout.geometry.width = published_width;
+    layout.geometry.height = published_height;
     layout.products = {v1::CONFIDENCE};
     return layout;
 }
 
 class SharedMemoryPublisherTest : public testing::Test {
 protected:
-    SharedMemoryPublisherTest() { frame_.planes[0] = {pixels_.data(), width, height, width}; }
+    SharedMemoryPublisherTest() {
+        frame_.planes[0] = {pixels_.data(), published_width, published_height, published_width};
+    }
 
     /// A reader looks by itself only after the time of the test is up: whoever gets a frame was woken, or came after
     /// it.
@@ -46,7 +48,7 @@ protected:
         return options;
     }
 
-    const std::vector<std::uint8_t> pixels_ = std::vector<std::uint8_t>(width * height, 7);
+    const std::vector<std::uint8_t> pixels_ = std::vector<std::uint8_t>(published_width * published_height, 7);
     const std::string name_ = "publisher-test-" + std::to_string(getpid());
     PublishedFrame frame_;
     SharedMemoryPublisher publisher_{name_, one_product(), 4};
@@ -88,7 +90,7 @@ TEST_F(SharedMemoryPublisherTest, KnowsOfAReaderThatNeverWaits) {
     EXPECT_FALSE(publisher_.has_reader());
     const proto::ShmReader late(name_);
     StreamLayout other = one_product();
-    other.geometry.width = 2 * width;
+    other.geometry.width = 2 * published_width;
     publisher_.relayout(other, 4);
     EXPECT_FALSE(publisher_.has_reader()) << "it has not mapped the new object yet";
 }

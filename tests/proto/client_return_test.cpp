@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto plenty = 60s;
+constexpr auto long_enough = 60s;
 
 /// One plane of a single pixel.
 void send_frame(ServerEnd& end, std::uint64_t index) {
@@ -62,9 +62,9 @@ TEST(ClientReturn, ReadingOnConnectsAgainAndSubscribesAsBefore) {
         client.subscribe(subscription);
         disparity::Frame frame;
         for (std::uint64_t index = 1; index <= 3; ++index) {
-            ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+            ASSERT_EQ(client.read(frame, long_enough), ReadResult::frame);
             EXPECT_EQ(frame.publish_index, index);
-            ASSERT_EQ(client.read(frame, plenty), ReadResult::gone) << "each end is told once";
+            ASSERT_EQ(client.read(frame, long_enough), ReadResult::gone) << "each end is told once";
             EXPECT_EQ(client.why_gone(), "disparityd at " + address + ": the connection has ended");
         }
         v1::Welcome welcome;
@@ -82,7 +82,7 @@ TEST(ClientReturn, TheFirstGoneComesAtOnceTheNextOnesAfterTheTimeout) {
         client = std::make_unique<disparity::SocketClient>(address);
     }
     disparity::Frame frame;
-    EXPECT_EQ(client->read(frame, plenty), ReadResult::gone);
+    EXPECT_EQ(client->read(frame, long_enough), ReadResult::gone);
     for (int i = 0; i < 3; ++i) {
         const auto begin = std::chrono::steady_clock::now();
         EXPECT_EQ(client->read(frame, 80ms), ReadResult::gone);
@@ -106,10 +106,10 @@ TEST(ClientReturn, QuestionsConnectAgainToo) {
     disparity::SocketClient client(daemon.unix_address());
     for (int i = 0; i < 3; ++i) {
         v1::Status status;
-        ASSERT_TRUE(status.ParseFromString(client.status(plenty)));
+        ASSERT_TRUE(status.ParseFromString(client.status(long_enough)));
         EXPECT_EQ(status.state(), "running");
         disparity::Frame frame;
-        EXPECT_EQ(client.read(frame, plenty), ReadResult::gone);
+        EXPECT_EQ(client.read(frame, long_enough), ReadResult::gone);
     }
 }
 
@@ -137,7 +137,7 @@ TEST(ClientReturn, AQuestionAfterALongSilenceIsAnswered) {
         std::this_thread::yield();
     }
     v1::Status status;
-    ASSERT_TRUE(status.ParseFromString(client.status(plenty)));
+    ASSERT_TRUE(status.ParseFromString(client.status(long_enough)));
     EXPECT_EQ(status.state(), "running");
 }
 
@@ -155,11 +155,11 @@ TEST(ClientReturn, ARefusalIsToldOnlyWhenItLastsUntilTheTimeout) {
     });
     disparity::SocketClient client(daemon.unix_address());
     disparity::Frame frame;
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::gone);
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::frame);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::gone);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::frame);
     EXPECT_EQ(frame.publish_index, 3U);
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::gone);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::gone);
     full = true;
     for (const auto timeout : {2000ms, 1990ms, 1950ms}) {  // wherever in its attempts the time is up
         try {
@@ -171,7 +171,7 @@ TEST(ClientReturn, ARefusalIsToldOnlyWhenItLastsUntilTheTimeout) {
         }
     }
     full = false;
-    EXPECT_EQ(client.read(frame, plenty), ReadResult::frame) << "reading on is allowed";
+    EXPECT_EQ(client.read(frame, long_enough), ReadResult::frame) << "reading on is allowed";
 }
 
 // A program with a loop of its own looks for frames without waiting.
@@ -194,13 +194,13 @@ TEST(ClientReturn, AGreetingThatComesLateSurvivesShortTimeouts) {
     });
     disparity::SocketClient client(daemon.unix_address());
     disparity::Frame frame;
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::gone);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::gone);
     for (int i = 0; i < 5; ++i) {
         ASSERT_EQ(client.read(frame, 0ms), ReadResult::gone);
     }
     asked = true;
     ReadResult result = ReadResult::gone;
-    const auto deadline = std::chrono::steady_clock::now() + plenty;
+    const auto deadline = std::chrono::steady_clock::now() + long_enough;
     while (result != ReadResult::frame && std::chrono::steady_clock::now() < deadline) {
         result = client.read(frame, 0ms);
     }
@@ -227,11 +227,11 @@ TEST(ClientReturn, ADaemonThatSaysNothingIsAskedAndLeft) {
     disparity::SocketClient client(daemon.tcp_address());
     client.subscribe({});
     disparity::Frame frame;
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::gone);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::gone);
     EXPECT_THAT(client.why_gone(), testing::MatchesRegex("disparityd at tcp:.*: no answer from the daemon for .* s: "
                                                          "connecting anew"));
     EXPECT_TRUE(asked);
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::frame);
     EXPECT_EQ(frame.publish_index, 5U);
 }
 
@@ -253,13 +253,13 @@ TEST(ClientReturn, AFrameBeforeTheEndIsGiven) {
     disparity::SocketClient client(daemon.unix_address());
     client.subscribe({});
     disparity::Frame frame;
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::frame);
     while (sent < 3) {
         std::this_thread::yield();
     }
-    ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+    ASSERT_EQ(client.read(frame, long_enough), ReadResult::frame);
     EXPECT_EQ(frame.publish_index, 2U);
-    EXPECT_EQ(client.read(frame, plenty), ReadResult::gone);
+    EXPECT_EQ(client.read(frame, long_enough), ReadResult::gone);
 }
 
 // A source that has ended, or a camera that was unplugged.
@@ -321,8 +321,8 @@ TEST(ClientReturn, AProgramThatKeepsUpOrdersAFrameWhenItWaits) {
         client.subscribe(rare_frames());
         disparity::Frame frame;
         for (int i = 0; i < 3; ++i) {
-            ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
-            client.status(plenty);
+            ASSERT_EQ(client.read(frame, long_enough), ReadResult::frame);
+            client.status(long_enough);
         }
     }
     EXPECT_EQ(heard, "ready 1, status, ready 1, status, ready 1, status, ");
@@ -353,10 +353,10 @@ TEST(ClientReturn, WhereAFrameIsAlwaysThereTheNextIsOrderedAndTheClockAskedFor) 
         disparity::SocketClient client(daemon.unix_address());
         client.subscribe(rare_frames());
         disparity::Frame frame;
-        const auto deadline = std::chrono::steady_clock::now() + plenty;
+        const auto deadline = std::chrono::steady_clock::now() + long_enough;
         while (!asked && std::chrono::steady_clock::now() < deadline) {
-            client.status(plenty);
-            ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+            client.status(long_enough);
+            ASSERT_EQ(client.read(frame, long_enough), ReadResult::frame);
         }
     }
     EXPECT_TRUE(asked);
@@ -382,7 +382,7 @@ TEST(ClientReturn, WordsBeforeTheEndAreHeardByWhoeverSendsFirst) {
     disparity::Frame frame;
     client.subscribe({});
     try {
-        client.read(frame, plenty);
+        client.read(frame, long_enough);
         ADD_FAILURE() << "nothing thrown";
     } catch (const std::runtime_error& error) {
         EXPECT_THAT(error.what(), testing::HasSubstr("the daemon has had enough"));

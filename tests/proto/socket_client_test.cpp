@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto patience = 20s;
+constexpr auto socket_patience = 20s;
 
 v1::Envelope frame_message(std::uint64_t index, std::uint32_t width = 4, std::uint32_t height = 3) {
     v1::Envelope envelope;
@@ -84,15 +84,15 @@ TEST(SocketClient, FramesComeInOrderWithMissedOnesCounted) {
         subscription.region_height = 3;
         client.subscribe(subscription);
         disparity::Frame frame;
-        ASSERT_EQ(client.read(frame, patience), ReadResult::frame);
+        ASSERT_EQ(client.read(frame, socket_patience), ReadResult::frame);
         EXPECT_EQ(frame.skipped, 0U);
         EXPECT_EQ(frame.plane(disparity::Product::confidence)->bytes, bytes_of(12));
         EXPECT_EQ(frame.plane(disparity::Product::depth), nullptr);
         read.release();
-        ASSERT_EQ(client.read(frame, patience), ReadResult::frame);
+        ASSERT_EQ(client.read(frame, socket_patience), ReadResult::frame);
         EXPECT_EQ(frame.sequence, 105U);
         EXPECT_EQ(frame.skipped, 3U);
-        EXPECT_EQ(client.read(frame, patience), ReadResult::gone);
+        EXPECT_EQ(client.read(frame, socket_patience), ReadResult::gone);
     }
 }
 
@@ -131,7 +131,7 @@ TEST(SocketClient, ServerThatClosesInTheMiddleOfAFrameIsGone) {
     });
     disparity::SocketClient client(daemon.unix_address());
     disparity::Frame frame;
-    EXPECT_EQ(client.read(frame, patience), ReadResult::gone);
+    EXPECT_EQ(client.read(frame, socket_patience), ReadResult::gone);
 }
 
 TEST(SocketClient, DaemonsErrorIsTheTextOfTheException) {
@@ -145,9 +145,10 @@ TEST(SocketClient, DaemonsErrorIsTheTextOfTheException) {
     });
     disparity::SocketClient client(daemon.unix_address());
     disparity::Frame frame;
-    EXPECT_EQ(failure([&] { client.read(frame, patience); }),
+    EXPECT_EQ(failure([&] { client.read(frame, socket_patience); }),
               "disparityd at " + daemon.unix_address() + ": product DEPTH: not made by this configuration");
-    EXPECT_EQ(client.read(frame, patience), ReadResult::frame) << "a refused request does not end the connection";
+    EXPECT_EQ(client.read(frame, socket_patience), ReadResult::frame)
+        << "a refused request does not end the connection";
 }
 
 TEST(SocketClient, TooManyOpenFilesAreNotTheDaemonsFault) {
@@ -220,7 +221,8 @@ TEST(SocketClient, HostileFramesAreRefused) {
         });
         disparity::SocketClient client(daemon.unix_address());
         disparity::Frame frame;
-        EXPECT_THAT(failure([&] { client.read(frame, patience); }), testing::HasSubstr("disparityd at unix:")) << what;
+        EXPECT_THAT(failure([&] { client.read(frame, socket_patience); }), testing::HasSubstr("disparityd at unix:"))
+            << what;
     }
 }
 
@@ -233,8 +235,9 @@ TEST(SocketClient, HugeEnvelopeIsRefusedAndTheConnectionClosed) {
     });
     disparity::SocketClient client(daemon.unix_address());
     disparity::Frame frame;
-    EXPECT_THAT(failure([&] { client.read(frame, patience); }), testing::HasSubstr("4294967295 bytes announced"));
-    EXPECT_EQ(client.read(frame, patience), ReadResult::gone);
+    EXPECT_THAT(failure([&] { client.read(frame, socket_patience); }),
+                testing::HasSubstr("4294967295 bytes announced"));
+    EXPECT_EQ(client.read(frame, socket_patience), ReadResult::gone);
 }
 
 TEST(SocketClient, CompressedPlanesAreUnpacked) {
@@ -255,9 +258,9 @@ TEST(SocketClient, CompressedPlanesAreUnpacked) {
     });
     disparity::SocketClient client(daemon.unix_address());
     disparity::Frame frame;
-    ASSERT_EQ(client.read(frame, patience), ReadResult::frame);
+    ASSERT_EQ(client.read(frame, socket_patience), ReadResult::frame);
     EXPECT_EQ(frame.planes.at(0).bytes, raw);
-    EXPECT_THAT(failure([&] { client.read(frame, patience); }), testing::HasSubstr("damaged"));
+    EXPECT_THAT(failure([&] { client.read(frame, socket_patience); }), testing::HasSubstr("damaged"));
 }
 
 TEST(SocketClient, TheNewestFrameBeforeAnAnswerIsKeptForRead) {
@@ -282,16 +285,16 @@ TEST(SocketClient, TheNewestFrameBeforeAnAnswerIsKeptForRead) {
     });
     disparity::SocketClient client(daemon.unix_address());
     v1::Status status;
-    ASSERT_TRUE(status.ParseFromString(client.status(patience)));
+    ASSERT_TRUE(status.ParseFromString(client.status(socket_patience)));
     EXPECT_EQ(status.state(), "running");
     disparity::Frame frame;
     std::uint64_t least = 2;
     do {
-        ASSERT_EQ(client.read(frame, patience), ReadResult::frame);
+        ASSERT_EQ(client.read(frame, socket_patience), ReadResult::frame);
         EXPECT_GE(frame.publish_index, least++);
     } while (frame.publish_index != 3);
     v1::RecordStatus record;
-    ASSERT_TRUE(record.ParseFromString(client.start_recording("/tmp/x.mkv", patience)));
+    ASSERT_TRUE(record.ParseFromString(client.start_recording("/tmp/x.mkv", socket_patience)));
     EXPECT_TRUE(record.active());
     ASSERT_TRUE(status.ParseFromString(client.take_status()));
     EXPECT_EQ(status.state(), "pushed");
@@ -316,12 +319,12 @@ TEST(SocketClient, PartsOfATraceAreOneMessage) {
     });
     disparity::SocketClient client(daemon.unix_address());
     v1::Trace trace;
-    ASSERT_TRUE(trace.ParseFromString(client.trace(0.5, patience)));
+    ASSERT_TRUE(trace.ParseFromString(client.trace(0.5, socket_patience)));
     ASSERT_EQ(trace.tracks_size(), 2);
     EXPECT_EQ(trace.tracks(0).name() + trace.tracks(1).name(), "firstsecond");
     EXPECT_EQ(trace.duration_ns(), 7U);
     disparity::Frame frame;
-    EXPECT_EQ(client.read(frame, patience), ReadResult::frame) << "a frame that came meanwhile is kept";
+    EXPECT_EQ(client.read(frame, socket_patience), ReadResult::frame) << "a frame that came meanwhile is kept";
 }
 
 TEST(SocketClient, GivesLevelsInTheOrderOfTime) {
@@ -344,7 +347,7 @@ TEST(SocketClient, GivesLevelsInTheOrderOfTime) {
     disparity::SocketClient client(daemon.unix_address());
     v1::LevelStatus level;
     ASSERT_TRUE(level.ParseFromString(client.give_level(
-        {{0.6, 0, 0.8, std::chrono::milliseconds(20)}, {0, -1, 0, std::chrono::milliseconds(-5)}}, patience)));
+        {{0.6, 0, 0.8, std::chrono::milliseconds(20)}, {0, -1, 0, std::chrono::milliseconds(-5)}}, socket_patience)));
     EXPECT_EQ(level.source(), "autopilot");
 }
 

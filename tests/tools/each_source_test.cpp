@@ -33,8 +33,8 @@ using testing::HasSubstr;
 
 constexpr int width = 320;
 constexpr int height = 180;
-constexpr int frames = 3;
-constexpr std::int64_t period_ns = 50'000'000;
+constexpr int source_frames = 3;
+constexpr std::int64_t source_period_ns = 50'000'000;
 const calibration::Board board{9, 6, 30};
 
 /// Numbers that all formats can write exactly.
@@ -88,13 +88,13 @@ protected:
         FolderTest::SetUp();
         const calibration::test::BoardPainter painter(cameras(), board);
         const auto poses = calibration::test::careful_poses(board);
-        for (int i = 0; i < frames; ++i) {
-            pictures_.push_back(painter.draw(poses.at(poses.size() - frames - 1 + static_cast<std::size_t>(i))));
+        for (int i = 0; i < source_frames; ++i) {
+            pictures_.push_back(painter.draw(poses.at(poses.size() - source_frames - 1 + static_cast<std::size_t>(i))));
         }
         write_text(path("cameras.yml"), to_opencv_yaml(cameras()));
     }
 
-    static std::int64_t stamp(int frame) { return bag_start_ns + frame * period_ns; }
+    static std::int64_t stamp(int frame) { return bag_start_ns + frame * source_period_ns; }
 
     cv::Mat eye(int frame, bool left) const {
         auto* pixels = const_cast<std::uint8_t*>(pictures_[static_cast<std::size_t>(frame)].data());
@@ -106,7 +106,7 @@ protected:
         for (const bool left : {true, false}) {
             const std::string folder = path(name) + (left ? "/left/" : "/right/");
             fs::create_directories(folder);
-            for (int i = 0; i < frames; ++i) {
+            for (int i = 0; i < source_frames; ++i) {
                 EXPECT_TRUE(cv::imwrite(folder + std::to_string(stamp(i)) + ".png", pixels(i, left)));
             }
         }
@@ -118,7 +118,7 @@ protected:
             const std::string folder = path("euroc/mav0/cam") + std::to_string(camera);
             fs::create_directories(folder + "/data");
             std::string list;
-            for (int i = 0; i < frames; ++i) {
+            for (int i = 0; i < source_frames; ++i) {
                 list += std::to_string(stamp(i)) + "," + std::to_string(i) + ".png\n";
                 EXPECT_TRUE(cv::imwrite(folder + "/data/" + std::to_string(i) + ".png", eye(i, camera == 0)));
             }
@@ -143,7 +143,7 @@ protected:
             info.jpegs = capture::EyeLayout{width, height};
         }
         capture::RecordingWriter writer(path(name), info);
-        for (int i = 0; i < frames; ++i) {
+        for (int i = 0; i < source_frames; ++i) {
             const auto& picture = pictures_[static_cast<std::size_t>(i)];
             std::vector<std::uint8_t> jpeg;
             const cv::Mat both(height, 2 * width, CV_8U, const_cast<std::uint8_t*>(picture.data()));
@@ -154,7 +154,7 @@ protected:
                            std::ptrdiff_t{jpegs ? 4 : 2} * width};
             frame.jpeg = jpegs ? std::span<const std::uint8_t>(jpeg) : frame.jpeg;
             frame.sequence = static_cast<std::uint64_t>(i);
-            frame.monotonic_ns = i * period_ns;
+            frame.monotonic_ns = i * source_period_ns;
             frame.realtime_ns = stamp(i);
             capture::SensorSample sample;
             sample.flags = capture::sensor_flag_inertial;
@@ -167,7 +167,7 @@ protected:
 
     Source mcap_bag(const std::string& name, const std::string& images, const std::string& lens = "plumb_bob") const {
         BagWriter bag;
-        for (int i = 0; i < frames; ++i) {
+        for (int i = 0; i < source_frames; ++i) {
             bag.imu("/imu", stamp(i), 0.5, 9.8);
             for (const bool left : {true, false}) {
                 const std::string topic = left ? "/left/" : "/right/";
@@ -197,7 +197,7 @@ protected:
             infos[left] =
                 bag.connection(topic + "camera_info", "sensor_msgs/CameraInfo", std::string(ros1_camera_info_type));
         }
-        for (int i = 0; i < frames; ++i) {
+        for (int i = 0; i < source_frames; ++i) {
             for (const bool left : {true, false}) {
                 bag.message(infos[left], stamp(i), ros1_camera_info(stamp(i), camera_info(left)));
                 bag.message(images[left], stamp(i), ros1_image(stamp(i), eye(i, left).clone()));
@@ -212,7 +212,7 @@ protected:
         file.payload = Svo2Payload::zstd_grey;
         file.eye_width = width;
         file.height = height;
-        file.frames = frames;
+        file.frames = source_frames;
         file.rate = 20;
         file.draw = [this](int frame) {
             return Svo2Picture{2 * width, height, pictures_[static_cast<std::size_t>(frame)], {}, {}};
@@ -241,7 +241,7 @@ protected:
         options.uri = file;
         const Played again = play_all(options);
         EXPECT_EQ(played.problem + again.problem, "");
-        ASSERT_EQ(played.frames.size(), static_cast<std::size_t>(frames));
+        ASSERT_EQ(played.frames.size(), static_cast<std::size_t>(source_frames));
         EXPECT_TRUE(again.frames == played.frames);
         EXPECT_EQ(again.times, played.times);
         EXPECT_EQ(again.sequences, played.sequences);
@@ -259,7 +259,7 @@ protected:
         expect_done(outcome);
         const auto summary = nlohmann::json::parse(outcome.out);
         made.estimates = summary["self_calibration"];
-        EXPECT_EQ(summary["frames"], frames);
+        EXPECT_EQ(summary["frames"], source_frames);
         EXPECT_GT(summary["measured"], 0.1);
         for (auto& [name, bytes] : files_in(folder)) {
             if (name != "geometry.json" && name != "manifest.json") {  // they name the source
@@ -286,7 +286,7 @@ protected:
         disparity::Frame frame;
         ASSERT_TRUE(eventually([&] {
             const bool read = memory.read(frame, std::chrono::milliseconds(100)) == disparity::ReadResult::frame;
-            return (read && frame.publish_index == frames - 1) || !daemon.running();
+            return (read && frame.publish_index == source_frames - 1) || !daemon.running();
         }));
         ASSERT_TRUE(daemon.running()) << daemon.wait().err;
         ASSERT_TRUE(frame.plane(disparity::Product::depth) != nullptr);
@@ -332,7 +332,7 @@ TEST_F(EachSourceTest, GivesTheBytesOfAFolderOfPngsFromEveryTool) {
             const Made made = make(source);
             EXPECT_FALSE(made.depth.empty());
             EXPECT_FALSE(made.calibration.empty());
-            EXPECT_GE(made.files.size(), static_cast<std::size_t>(frames));
+            EXPECT_GE(made.files.size(), static_cast<std::size_t>(source_frames));
             if (expected) {
                 EXPECT_EQ(made.estimates, expected->estimates);
                 EXPECT_EQ(made.calibration, expected->calibration);

@@ -18,9 +18,9 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int frames = 600;
+constexpr int recorded_frames = 600;
 constexpr int samples_per_frame = 5;
-constexpr int all_samples = frames * samples_per_frame;
+constexpr int all_samples = recorded_frames * samples_per_frame;
 
 /// Frames of an even grey, each with samples before it; the clock of the samples counts them.
 void make_recording_with_sensors(const std::string& path) {
@@ -32,7 +32,7 @@ void make_recording_with_sensors(const std::string& path) {
     const std::vector<std::uint8_t> pixels(128 * 48, 100);
     std::vector<capture::SensorSample> samples(samples_per_frame);
     std::int64_t count = 0;
-    for (int i = 0; i < frames; ++i) {
+    for (int i = 0; i < recorded_frames; ++i) {
         for (capture::SensorSample& sample : samples) {
             sample.camera_ns = count++;
             sample.flags = capture::sensor_flag_inertial | capture::sensor_flag_environment;

@@ -10,7 +10,6 @@
 namespace disparityd::tools {
 namespace {
 
-using nlohmann::json;
 using ::testing::ElementsAre;
 
 void add_event(v1::TraceTrack& track, v1::TraceKind kind, std::uint32_t name, std::int64_t begin_ns,
@@ -50,19 +49,19 @@ v1::Trace small_trace() {
     return trace;
 }
 
-json written(const v1::Trace& trace, std::uint64_t* events = nullptr) {
+nlohmann::json written(const v1::Trace& trace, std::uint64_t* events = nullptr) {
     std::ostringstream out;
     const std::uint64_t count = write_trace_json(out, trace);
     if (events != nullptr) {
         *events = count;
     }
-    return json::parse(out.str())["traceEvents"];
+    return nlohmann::json::parse(out.str())["traceEvents"];
 }
 
 /// Returns the names of events with this phase, in order.
-std::vector<std::string> names_with(const json& events, const std::string& phase) {
+std::vector<std::string> names_with(const nlohmann::json& events, const std::string& phase) {
     std::vector<std::string> names;
-    for (const json& event : events) {
+    for (const nlohmann::json& event : events) {
         if (event["ph"] == phase) {
             names.push_back(event["name"]);
         }
@@ -72,7 +71,7 @@ std::vector<std::string> names_with(const json& events, const std::string& phase
 
 TEST(TraceJson, HasARowForEachThreadStagesFirst) {
     std::map<int, std::string> rows;
-    for (const json& event : written(small_trace())) {
+    for (const nlohmann::json& event : written(small_trace())) {
         if (event["name"] == "thread_name") {
             rows[event["tid"]] = event["args"]["name"];
         }
@@ -82,7 +81,7 @@ TEST(TraceJson, HasARowForEachThreadStagesFirst) {
 
 TEST(TraceJson, HasEachEventTheOuterOneFirst) {
     std::uint64_t count = 0;
-    const json events = written(small_trace(), &count);
+    const nlohmann::json events = written(small_trace(), &count);
     EXPECT_EQ(count, 8U);
     EXPECT_THAT(names_with(events, "X"),
                 ElementsAre("wait: source", "capture", "match", "dsi", "wta", "help: match", "awake, no task"));
@@ -96,10 +95,10 @@ TEST(TraceJson, TimesAreMicrosecondsToTheNanosecond) {
 }
 
 TEST(TraceJson, QueuesAreNoPartOfAThread) {
-    const json events = written(small_trace());
+    const nlohmann::json events = written(small_trace());
     EXPECT_THAT(names_with(events, "b"), ElementsAre("queue: match"));
     EXPECT_THAT(names_with(events, "e"), ElementsAre("queue: match"));
-    for (const json& event : events) {
+    for (const nlohmann::json& event : events) {
         if (event["ph"] == "b" || event["ph"] == "e") {
             EXPECT_EQ(event["id"], "queue: match 17");
             EXPECT_EQ(event["ts"], event["ph"] == "b" ? 1001.0 : 3001.0);
@@ -109,7 +108,7 @@ TEST(TraceJson, QueuesAreNoPartOfAThread) {
 
 TEST(TraceJson, ArrowsFollowAFrame) {
     std::vector<std::pair<std::string, int>> way;
-    for (const json& event : written(small_trace())) {
+    for (const nlohmann::json& event : written(small_trace())) {
         if (event.value("cat", "") == "frame") {
             EXPECT_EQ(event["id"], 17);
             way.emplace_back(event["ph"], event["tid"]);
@@ -131,7 +130,7 @@ TEST(TraceJson, IsValidWhateverTheDaemonSends) {
     add_event(track, v1::TRACE_WORK, 1, 5, std::numeric_limits<std::uint64_t>::max(), 0);
     add_event(track, static_cast<v1::TraceKind>(77), 4'000'000'000U, 5, 5, 0);
     std::uint64_t count = 0;
-    const json events = written(trace, &count);
+    const nlohmann::json events = written(trace, &count);
     EXPECT_EQ(count, sound + 1) << "what lies outside the trace's time is left out";
     EXPECT_THAT(names_with(events, "X"), testing::Contains("\"\\\n{"));
 }

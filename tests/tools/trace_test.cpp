@@ -16,7 +16,6 @@
 namespace disparityd::test {
 namespace {
 
-using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
@@ -33,7 +32,7 @@ protected:
                                                  "match.disparities=16", "--set", "pipeline.workers=2"});
         ASSERT_TRUE(eventually([this] {
             const Outcome outcome = ctl({"status", "--json"});
-            return outcome.exit_code == 0 && json::parse(outcome.out)["published"] > 0;
+            return outcome.exit_code == 0 && nlohmann::json::parse(outcome.out)["published"] > 0;
         }));
     }
 
@@ -57,11 +56,11 @@ TEST_F(TraceTest, HasEveryStageStepAndQueue) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, AllOf(HasSubstr(path("trace.json")), HasSubstr("events in 0.5 s")));
     std::ifstream file(path("trace.json"));
-    const json trace = json::parse(file);
+    const nlohmann::json trace = nlohmann::json::parse(file);
 
     std::map<std::string, std::set<std::string>> names;
     std::set<std::string> threads;
-    for (const json& event : trace["traceEvents"]) {
+    for (const nlohmann::json& event : trace["traceEvents"]) {
         if (event["name"] == "thread_name") {
             threads.insert(event["args"]["name"]);
         } else if (event.contains("cat")) {
@@ -75,8 +74,8 @@ TEST_F(TraceTest, HasEveryStageStepAndQueue) {
     EXPECT_THAT(names["frame"], IsSupersetOf({"frame"}));
     // Added stages are the work of the threads beside them.
     names["step"].insert(names["stage"].begin(), names["stage"].end());
-    const json status = json::parse(ctl({"status", "--json"}).out);
-    for (const json& step : status["steps"]) {
+    const nlohmann::json status = nlohmann::json::parse(ctl({"status", "--json"}).out);
+    for (const nlohmann::json& step : status["steps"]) {
         const std::string name = step["name"];
         if (name != "capture" && name != "publish" && name != "total" && name.rfind("wait-", 0) != 0) {
             EXPECT_THAT(names["step"], IsSupersetOf({name}));

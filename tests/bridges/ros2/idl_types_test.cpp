@@ -19,7 +19,7 @@ namespace {
 
 using ros::Content;
 
-constexpr std::int32_t seconds = 1'700'000'000;
+constexpr std::int32_t stamp_seconds = 1'700'000'000;
 constexpr std::uint32_t nanoseconds = 123'456'789;
 
 class Ros2IdlTypes : public ::testing::Test {
@@ -58,7 +58,7 @@ protected:
     }
 
     static void expect_header(const std_msgs_msg_dds__Header_& header, const std::string& frame) {
-        EXPECT_EQ(header.stamp.sec, seconds);
+        EXPECT_EQ(header.stamp.sec, stamp_seconds);
         EXPECT_EQ(header.stamp.nanosec, nanoseconds);
         EXPECT_EQ(header.frame_id, frame);
     }

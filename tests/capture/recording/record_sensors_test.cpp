@@ -15,7 +15,7 @@ namespace {
 using recording::get_sensors;
 using ::testing::HasSubstr;
 
-std::vector<std::uint8_t> bytes_of(const std::vector<SensorSample>& samples) {
+std::vector<std::uint8_t> stored_bytes(const std::vector<SensorSample>& samples) {
     std::vector<std::uint8_t> bytes(recording::sensors_size(samples));
     recording::put_sensors(samples, bytes);
     return bytes;
@@ -23,15 +23,15 @@ std::vector<std::uint8_t> bytes_of(const std::vector<SensorSample>& samples) {
 
 TEST(RecordSensors, EveryFieldComesBack) {
     const std::vector samples{make_sample(1), make_sample(20), make_sample(300)};
-    EXPECT_EQ(get_sensors(bytes_of(samples)), samples);
-    EXPECT_EQ(bytes_of({}).size(), 8U) << "their number";
-    EXPECT_EQ(get_sensors(bytes_of({})), std::vector<SensorSample>{});
+    EXPECT_EQ(get_sensors(stored_bytes(samples)), samples);
+    EXPECT_EQ(stored_bytes({}).size(), 8U) << "their number";
+    EXPECT_EQ(get_sensors(stored_bytes({})), std::vector<SensorSample>{});
     EXPECT_EQ(get_sensors({}), std::vector<SensorSample>{});
 }
 
 TEST(RecordSensors, ALaterVersionMayAddToSamplesAndBehindThem) {
     const std::vector samples{make_sample(1), make_sample(2)};
-    std::vector<std::uint8_t> longer = bytes_of(samples);
+    std::vector<std::uint8_t> longer = stored_bytes(samples);
     ASSERT_EQ(longer.size(), 8U + 2 * 96);
     longer[4] = 98;
     for (const std::ptrdiff_t end : {8 + 96, 8 + 98 + 96}) {
@@ -43,7 +43,7 @@ TEST(RecordSensors, ALaterVersionMayAddToSamplesAndBehindThem) {
 }
 
 TEST(RecordSensors, DamagedOnesAreRefused) {
-    const std::vector<std::uint8_t> whole = bytes_of({make_sample(1), make_sample(2)});
+    const std::vector<std::uint8_t> whole = stored_bytes({make_sample(1), make_sample(2)});
     for (std::size_t size = 1; size < whole.size(); ++size) {
         const std::vector<std::uint8_t> part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
         EXPECT_FALSE(get_sensors(part)) << size;
@@ -60,7 +60,7 @@ TEST(RecordSensors, ADamagedRecordingSaysSo) {
     const std::string path = folder.file("r.mkv");
     write_recording(path, make_info(PixelFormat::grey8, 32, 16), 3);
     std::vector<std::uint8_t> bytes = file_bytes(path);
-    const std::vector<std::uint8_t> second = bytes_of(make_frame(make_info(PixelFormat::grey8, 1, 1), 1).sensors);
+    const std::vector<std::uint8_t> second = stored_bytes(make_frame(make_info(PixelFormat::grey8, 1, 1), 1).sensors);
     const auto at = std::search(bytes.begin(), bytes.end(), second.begin(), second.end());
     ASSERT_NE(at, bytes.end());
     *at = 0xff;

@@ -20,7 +20,7 @@ using Next = FrameSource::Next;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-SourceOptions offline(const std::string& uri) {
+SourceOptions offline_scene(const std::string& uri) {
     SourceOptions options;
     options.uri = uri;
     options.pace = Pace::fastest;
@@ -32,7 +32,7 @@ std::vector<std::uint8_t> bytes_of(const RawImage& image) {
 }
 
 std::vector<std::vector<std::uint8_t>> frames_of(const std::string& uri, int count) {
-    const auto source = open_source(offline(uri));
+    const auto source = open_source(offline_scene(uri));
     std::vector<std::vector<std::uint8_t>> frames;
     for (int i = 0; i < count; ++i) {
         RawFrame frame;
@@ -72,7 +72,7 @@ TEST(SceneUri, ModesRatesAndParameters) {
 }
 
 TEST(SceneUri, SaysWhatIsAllowed) {
-    const auto said = [](const std::string& uri) { return refusal([&] { open_source(offline(uri)); }); };
+    const auto said = [](const std::string& uri) { return refusal([&] { open_source(offline_scene(uri)); }); };
     EXPECT_THAT(said("scene:8k"), AllOf(HasSubstr("8k"), HasSubstr("hd720")));
     EXPECT_THAT(said("scene:vga@0"), HasSubstr("rate"));
     EXPECT_THAT(said("scene:vga@fast"), AllOf(HasSubstr("rate"), HasSubstr("fast")));
@@ -123,7 +123,7 @@ TEST(Scene, TheLoopHasNoJump) {
 }
 
 TEST(Scene, OfflineTimesAreThoseOfAnIdealClockAndTheSceneEnds) {
-    const auto source = open_source(offline("scene:vga@25?width=64&height=36&frames=5&loop=2"));
+    const auto source = open_source(offline_scene("scene:vga@25?width=64&height=36&frames=5&loop=2"));
     const SourceInfo& info = source->info();
     EXPECT_EQ(info.format, PixelFormat::yuyv);
     EXPECT_EQ(info.eye_width, 64);
@@ -147,7 +147,7 @@ TEST(Scene, OfflineTimesAreThoseOfAnIdealClockAndTheSceneEnds) {
 }
 
 TEST(Scene, AtItsOwnPaceLikeACamera) {
-    SourceOptions options = offline("scene:vga@50?width=64&height=36&loop=2");
+    SourceOptions options = offline_scene("scene:vga@50?width=64&height=36&loop=2");
     options.pace = Pace::source;
     const auto source = open_source(options);
     EXPECT_TRUE(source->info().live);
@@ -165,7 +165,7 @@ TEST(Scene, AtItsOwnPaceLikeACamera) {
 }
 
 TEST(Scene, TimesOutUntilTheNextFrameIsDue) {
-    SourceOptions options = offline("scene:vga@0.1?width=64&height=36&loop=2");
+    SourceOptions options = offline_scene("scene:vga@0.1?width=64&height=36&loop=2");
     options.pace = Pace::source;
     const auto source = open_source(options);
     RawFrame frame;
@@ -175,7 +175,7 @@ TEST(Scene, TimesOutUntilTheNextFrameIsDue) {
 }
 
 TEST(Scene, FramesThatNobodyTakesAreLostAndCounted) {
-    SourceOptions options = offline("scene:vga@1000?width=64&height=36&loop=2");
+    SourceOptions options = offline_scene("scene:vga@1000?width=64&height=36&loop=2");
     options.pace = Pace::source;
     const auto source = open_source(options);
     RawFrame frame;
@@ -197,7 +197,7 @@ TEST(Scene, FramesThatNobodyTakesAreLostAndCounted) {
 }
 
 TEST(Scene, LoansAreBoundedAndComeBackFromAnotherThread) {
-    SourceOptions options = offline("scene:vga?width=64&height=36&loop=4");
+    SourceOptions options = offline_scene("scene:vga?width=64&height=36&loop=4");
     options.loans = 2;
     const auto source = open_source(options);
     RawFrame first, second, third;
@@ -211,7 +211,7 @@ TEST(Scene, LoansAreBoundedAndComeBackFromAnotherThread) {
 }
 
 TEST(Scene, InterruptEndsTheWait) {
-    SourceOptions options = offline("scene:vga?width=64&height=36&loop=2");
+    SourceOptions options = offline_scene("scene:vga?width=64&height=36&loop=2");
     options.loans = 1;
     const auto source = open_source(options);
     RawFrame frame;
@@ -225,7 +225,7 @@ TEST(Scene, InterruptEndsTheWait) {
 struct Stop {};
 
 TEST(Scene, PreparationReportsAndCanBeGivenUp) {
-    SourceOptions options = offline("scene:vga?width=64&height=36&loop=9");
+    SourceOptions options = offline_scene("scene:vga?width=64&height=36&loop=9");
     int last = -1;
     options.progress = [&](int done, int total) {
         EXPECT_EQ(total, 9);
@@ -293,7 +293,7 @@ TEST(SceneRenderer, AStopEndsTheDrawingAtTheRowAtHand) {
 
 // Whoever asks for a stop throws from `progress`. The rays come first, and each of their rows asks.
 TEST(Scene, AStopEndsThePreparationAtTheRowAtHand) {
-    SourceOptions options = offline("scene:vga?width=64&height=36&loop=2");
+    SourceOptions options = offline_scene("scene:vga?width=64&height=36&loop=2");
     for (const int row : {1, 20, 36, 37, 72}) {
         StopAtRow stop(row);
         options.progress = [&](int, int) { stop(); };
@@ -364,7 +364,7 @@ double median_difference(const RawImage& raw, const calibration::Rectification& 
 
 TEST(SceneTruth, NamesTheCorrespondingPixelOfTheRenderedImages) {
     const std::string uri = "scene:vga@30?width=336&height=188&loop=5";
-    const auto source = open_source(offline(uri));
+    const auto source = open_source(offline_scene(uri));
     const calibration::Rectification rectification =
         calibration::make_rectification(source->info().calibration, 336, 188, {});
     for (int i = 0; i < 3; ++i) {
@@ -383,7 +383,7 @@ TEST(SceneTruth, NamesTheCorrespondingPixelOfTheRenderedImages) {
 
 TEST(SceneTruth, TheSceneHasDepthSlantsAndOcclusions) {
     const std::string uri = "scene:vga@30?width=336&height=188&loop=5";
-    const auto source = open_source(offline(uri));
+    const auto source = open_source(offline_scene(uri));
     const calibration::Rectification rectification =
         calibration::make_rectification(source->info().calibration, 336, 188, {});
     const SceneTruth truth = scene_truth(uri, 0, rectification);
@@ -410,7 +410,7 @@ TEST(SceneTruth, TheSceneHasDepthSlantsAndOcclusions) {
 
 TEST(SceneTruth, OfTheSamePlaceIsTheSameInEveryGeometry) {
     const std::string uri = "scene:vga@30?width=336&height=188&loop=5";
-    const auto source = open_source(offline(uri));
+    const auto source = open_source(offline_scene(uri));
     const auto& calibration = source->info().calibration;
     const calibration::Rectification whole = calibration::make_rectification(calibration, 336, 188, {});
     const calibration::Rectification part =

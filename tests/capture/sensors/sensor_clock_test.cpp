@@ -10,8 +10,8 @@
 namespace disparityd::capture {
 namespace {
 
-constexpr std::int64_t ms = 1'000'000;
-constexpr std::int64_t second = 1'000 * ms;
+constexpr std::int64_t sensor_ms = 1'000'000;
+constexpr std::int64_t second = 1'000 * sensor_ms;
 
 /// A camera that measures 400 times a second by a clock of its own, and a way to the host that takes its time.
 class SensorClockTest : public ::testing::Test {
@@ -29,7 +29,7 @@ protected:
         // Mostly some tenths of a millisecond; sometimes the host has other things to do. Never out of order.
         std::int64_t way = least_way + static_cast<std::int64_t>(400'000 * exponential_(random_));
         if (busy_(random_)) {
-            way += static_cast<std::int64_t>(100 * ms * exponential_(random_));
+            way += static_cast<std::int64_t>(100 * sensor_ms * exponential_(random_));
         }
         arrived_ns_ = std::max(arrived_ns_ + 1, true_ns_ + way);
         return {true_ns_, arrived_ns_, clock_.map(camera_ns_, arrived_ns_)};
@@ -81,7 +81,7 @@ TEST_F(SensorClockTest, IsRightFromTheFirstTimesOn) {
     for (int i = 0; i < SensorClock::settling_samples; ++i) {
         next();
     }
-    EXPECT_LT(worst_error(2 * second), ms);
+    EXPECT_LT(worst_error(2 * second), sensor_ms);
 }
 
 TEST_F(SensorClockTest, FollowsClocksThatRunApart) {
@@ -89,7 +89,7 @@ TEST_F(SensorClockTest, FollowsClocksThatRunApart) {
         clock_ = SensorClock();
         drift_ = drift;
         run(20 * second);
-        EXPECT_LT(worst_error(100 * second), ms / 10) << drift;
+        EXPECT_LT(worst_error(100 * second), sensor_ms / 10) << drift;
         EXPECT_NEAR(clock_.drift(), drift, 3e-6);
         EXPECT_EQ(clock_.jumps(), 0U);
     }
@@ -97,17 +97,17 @@ TEST_F(SensorClockTest, FollowsClocksThatRunApart) {
 
 TEST_F(SensorClockTest, ABacklogAtTheStartDoesNoHarm) {
     // What the kernel kept while nobody read comes at once.
-    arrived_ns_ = true_ns_ + 150 * ms;
+    arrived_ns_ = true_ns_ + 150 * sensor_ms;
     for (int i = 0; i < SensorClock::settling_samples; ++i) {
         next();
     }
-    EXPECT_LT(worst_error(second), ms);
+    EXPECT_LT(worst_error(second), sensor_ms);
 }
 
 TEST_F(SensorClockTest, ALongDelayMovesNoTime) {
     run(20 * second);
     arrived_ns_ = true_ns_ + 2 * second;
-    EXPECT_LT(worst_error(10 * second), ms / 5);
+    EXPECT_LT(worst_error(10 * second), sensor_ms / 5);
     EXPECT_EQ(clock_.jumps(), 0U);
 }
 
@@ -116,7 +116,7 @@ TEST_F(SensorClockTest, ARestartedCameraBeginsAnew) {
     camera_ns_ = 0;
     EXPECT_FALSE(next().mapped);
     run(second);
-    EXPECT_LT(worst_error(second), ms);
+    EXPECT_LT(worst_error(second), sensor_ms);
     EXPECT_EQ(clock_.jumps(), 1U);
 }
 
@@ -125,7 +125,7 @@ TEST_F(SensorClockTest, AClockThatJumpsAheadBeginsAnew) {
     camera_ns_ += 5 * second;
     EXPECT_FALSE(next().mapped);
     run(second);
-    EXPECT_LT(worst_error(second), ms);
+    EXPECT_LT(worst_error(second), sensor_ms);
     EXPECT_EQ(clock_.jumps(), 1U);
 }
 
@@ -134,7 +134,7 @@ TEST_F(SensorClockTest, AClockThatStoodStillIsFoundOut) {
     true_ns_ += 30 * second;
     run(6 * second);
     EXPECT_EQ(clock_.jumps(), 1U);
-    EXPECT_LT(worst_error(second), ms);
+    EXPECT_LT(worst_error(second), sensor_ms);
 }
 
 TEST_F(SensorClockTest, ArbitraryTimesKeepTheOrder) {

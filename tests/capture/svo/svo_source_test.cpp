@@ -32,8 +32,8 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr int width = 128;  // of both eyes
-constexpr int height = 48;
+constexpr int svo_width = 128;  // of both eyes
+constexpr int svo_height = 48;
 constexpr std::uint64_t start_ns = 1'738'434'526'000'000'000;
 constexpr std::uint64_t period_ns = 40'000'000;
 
@@ -68,7 +68,7 @@ public:
         video_ = file_.channel(0, "Camera_SN4711/side_by_side", "zed_sdk_encoded");
         sensors_ = file_.channel(0, "Camera_SN4711/sensors", "json");
         const std::string structure =
-            little_endian(width, 4) + little_endian(height, 4) + little_endian(4711, 4) + little_endian(25, 4);
+            little_endian(svo_width, 4) + little_endian(svo_height, 4) + little_endian(4711, 4) + little_endian(25, 4);
         file_.message(header_, 0, 0,
                       R"({"zed_sdk_version": "4.1.2", )" + header_entries + R"("header": ")" +
                           base64(structure + std::string(112, '\0')) + "\"}");
@@ -76,7 +76,7 @@ public:
 
     void video(const std::string& payload, int index, std::uint64_t stamp) {
         std::string footer(56, '\0');
-        footer.replace(0, 8, little_endian(width, 4) + little_endian(height, 4));
+        footer.replace(0, 8, little_endian(svo_width, 4) + little_endian(svo_height, 4));
         footer.replace(0x18, 12, little_endian(stamp, 8) + little_endian(payload.size(), 4));
         footer.replace(0x30, 4, little_endian(static_cast<std::uint32_t>(index), 4));
         const std::string rest = little_endian(payload.size(), 4) + payload + footer;
@@ -152,8 +152,8 @@ std::vector<std::string> encode(AVCodecID id, const std::vector<cv::Mat>& images
         return units;
     }
     const CodecPtr encoder(avcodec_alloc_context3(codec));
-    encoder->width = width;
-    encoder->height = height;
+    encoder->width = svo_width;
+    encoder->height = svo_height;
     encoder->pix_fmt = AV_PIX_FMT_YUV420P;
     encoder->time_base = {1, 25};
     encoder->max_b_frames = 0;
@@ -169,16 +169,16 @@ std::vector<std::string> encode(AVCodecID id, const std::vector<cv::Mat>& images
         FramePtr frame;
         if (i < images.size()) {
             frame.reset(av_frame_alloc());
-            frame->width = width;
-            frame->height = height;
+            frame->width = svo_width;
+            frame->height = svo_height;
             frame->format = AV_PIX_FMT_YUV420P;
             frame->pts = static_cast<std::int64_t>(i);
             av_frame_get_buffer(frame.get(), 0);
-            for (int y = 0; y < height; ++y) {
-                std::memcpy(frame->data[0] + y * frame->linesize[0], images[i].ptr(y), width);
+            for (int y = 0; y < svo_height; ++y) {
+                std::memcpy(frame->data[0] + y * frame->linesize[0], images[i].ptr(y), svo_width);
             }
             for (int plane = 1; plane < 3; ++plane) {
-                std::memset(frame->data[plane], 128, static_cast<std::size_t>(frame->linesize[plane] * height / 2));
+                std::memset(frame->data[plane], 128, static_cast<std::size_t>(frame->linesize[plane] * svo_height / 2));
             }
         }
         avcodec_send_frame(encoder.get(), frame.get());
@@ -202,10 +202,10 @@ std::vector<std::uint8_t> bytes_of(const cv::Mat& image) {
 }
 
 TEST(SvoSource, TakesPicturesThatArePackedWithoutLoss) {
-    const cv::Mat grey = numbered_image(width, height, CV_8UC1, 1);
-    const cv::Mat bgr = numbered_image(width, height, CV_8UC3, 2);
-    const cv::Mat yuyv = numbered_image(width, height, CV_8UC2, 3);
-    cv::Mat flat(height, 2 * width, CV_8UC1, cv::Scalar(90));
+    const cv::Mat grey = numbered_image(svo_width, svo_height, CV_8UC1, 1);
+    const cv::Mat bgr = numbered_image(svo_width, svo_height, CV_8UC3, 2);
+    const cv::Mat yuyv = numbered_image(svo_width, svo_height, CV_8UC2, 3);
+    cv::Mat flat(svo_height, 2 * svo_width, CV_8UC1, cv::Scalar(90));
     struct Case {
         std::string payload;
         PixelFormat format;
@@ -225,15 +225,15 @@ TEST(SvoSource, TakesPicturesThatArePackedWithoutLoss) {
         EXPECT_EQ(played.problem, "");
         ASSERT_EQ(played.frames.size(), 2U);
         EXPECT_EQ(played.info.format, one.format);
-        EXPECT_EQ(played.info.eye_width, width / 2);
-        EXPECT_EQ(played.info.height, height);
+        EXPECT_EQ(played.info.eye_width, svo_width / 2);
+        EXPECT_EQ(played.info.height, svo_height);
         EXPECT_EQ(played.info.rate, 25);
         EXPECT_TRUE(played.frames[1] == bytes_of(one.pixels));
     }
 }
 
 TEST(SvoSource, TakesJpegsWithoutSizesOfTheMessage) {
-    const cv::Mat flat(height, 2 * width, CV_8UC1, cv::Scalar(90));
+    const cv::Mat flat(svo_height, 2 * svo_width, CV_8UC1, cv::Scalar(90));
     Svo file;
     for (int i = 0; i < 2; ++i) {
         file.raw_video(little_endian(0xFFFFFF00U, 4) + little_endian(0xFFFFFF3CU, 4) + jpeg_strips(flat, 4));
@@ -249,7 +249,7 @@ TEST(SvoSource, DecodesVideo) {
     for (const auto& [id, name] : {std::pair(AV_CODEC_ID_H264, "H.264"), {AV_CODEC_ID_HEVC, "H.265"}}) {
         std::vector<cv::Mat> images;
         for (int i = 0; i < 8; ++i) {
-            images.push_back(numbered_image(width, height, CV_8UC1, i));
+            images.push_back(numbered_image(svo_width, svo_height, CV_8UC1, i));
         }
         const auto units = encode(id, images);
         if (units.empty()) {
@@ -274,7 +274,7 @@ TEST(SvoSource, DecodesVideo) {
 }
 
 TEST(SvoSource, LeavesOutWhatItDoesNotUnderstandAndTellsIt) {
-    std::vector<cv::Mat> images(8, numbered_image(width, height, CV_8UC1, 1));
+    std::vector<cv::Mat> images(8, numbered_image(svo_width, svo_height, CV_8UC1, 1));
     const auto units = encode(AV_CODEC_ID_H264, images);
     if (units.empty()) {
         GTEST_SKIP() << "this FFmpeg has no encoder for H.264";
@@ -290,7 +290,7 @@ TEST(SvoSource, LeavesOutWhatItDoesNotUnderstandAndTellsIt) {
 }
 
 TEST(SvoSource, CountsFramesByTheirNumbers) {
-    const std::string payload = png(numbered_image(width, height, CV_8UC1, 1));
+    const std::string payload = png(numbered_image(svo_width, svo_height, CV_8UC1, 1));
     Svo file;
     for (const int index : {7, 8, 12, 13}) {
         file.video(payload, index);
@@ -301,7 +301,7 @@ TEST(SvoSource, CountsFramesByTheirNumbers) {
 }
 
 TEST(SvoSource, TellsTheUnitOfStampsByTheirMagnitude) {
-    const std::string payload = png(numbered_image(width, height, CV_8UC1, 1));
+    const std::string payload = png(numbered_image(svo_width, svo_height, CV_8UC1, 1));
     for (const std::uint64_t unit_ns : {1ULL, 1000ULL, 1'000'000ULL}) {
         Svo file;
         file.video(payload, 0, start_ns / unit_ns);
@@ -318,7 +318,7 @@ TEST(SvoSource, TellsTheUnitOfStampsByTheirMagnitude) {
 }
 
 TEST(SvoSource, GivesInertialSamples) {
-    const std::string payload = png(numbered_image(width, height, CV_8UC1, 1));
+    const std::string payload = png(numbered_image(svo_width, svo_height, CV_8UC1, 1));
     Svo file;
     file.video(payload, 0);
     file.sensor_message("{}");
@@ -340,7 +340,7 @@ TEST(SvoSource, GivesInertialSamples) {
 }
 
 TEST(SvoSource, TakesTheSensorsOfTheCameraOfTheVideo) {
-    const std::string payload = png(numbered_image(width, height, CV_8UC1, 1));
+    const std::string payload = png(numbered_image(svo_width, svo_height, CV_8UC1, 1));
     Svo file;
     file.sample(start_ns, 1, "Camera_SN4712/sensors");
     file.video(payload, 0);
@@ -359,7 +359,7 @@ TEST(SvoSource, TellsOnceThatHeadersAreNotUnderstood) {
     for (int i = 0; i < 3; ++i) {
         file.header_message("no JSON");
     }
-    file.video(png(numbered_image(width, height, CV_8UC1, 1)), 0);
+    file.video(png(numbered_image(svo_width, svo_height, CV_8UC1, 1)), 0);
     const Played played = play(file.close());
     EXPECT_EQ(std::count_if(played.notices.begin(), played.notices.end(),
                             [](const std::string& line) {
@@ -385,7 +385,7 @@ TEST(SvoSource, FindsTheCalibrationBySerialNumber) {
     Svo file;
     file.other_topic();
     for (int i = 0; i < 2; ++i) {
-        file.video(png(numbered_image(width, height, CV_8UC1, i)), i);
+        file.video(png(numbered_image(svo_width, svo_height, CV_8UC1, i)), i);
     }
     SourceOptions options;
     options.uri = folder.write("a.svo2", file.close());
@@ -396,8 +396,8 @@ TEST(SvoSource, FindsTheCalibrationBySerialNumber) {
     EXPECT_THAT(played.notices, Contains(HasSubstr("and not read: Camera_SN4711/else (1 message)")));
 
     calibration::StereoCalibration calibration;
-    calibration.width = width / 2;
-    calibration.height = height;
+    calibration.width = svo_width / 2;
+    calibration.height = svo_height;
     calibration.left = calibration.right = {60, 60, 31.5, 23.5, {}};
     calibration.translation = {-120, 0, 0};
     folder.write("4711.yml", calibration::to_opencv_yaml(calibration));
@@ -428,18 +428,18 @@ TEST(SvoSource, RefusesInOneLineWhatItCannotRead) {
                 }),
                 HasSubstr("no such file"));
     Svo mcap;
-    mcap.video(png(numbered_image(width, height, CV_8UC1, 1)), 0);
+    mcap.video(png(numbered_image(svo_width, svo_height, CV_8UC1, 1)), 0);
     EXPECT_EQ(play(mcap.close(), "a.svo").problem, "") << "SVO2 under the old name";
 }
 
 TEST(SvoSource, ManyDamagedFilesEndInALine) {
-    const auto units = encode(AV_CODEC_ID_H264, {6, numbered_image(width, height, CV_8UC1, 1)});
+    const auto units = encode(AV_CODEC_ID_H264, {6, numbered_image(svo_width, svo_height, CV_8UC1, 1)});
     disparityd::test::McapFeatures unchecked;  // so that damage reaches the messages
     unchecked.checksums = false;
     Svo file("", unchecked);
     for (int i = 0; i < 6; ++i) {
         file.sample(start_ns, 1);
-        file.video(units.empty() || i > 2 ? png(numbered_image(width, height, CV_8UC1, i))
+        file.video(units.empty() || i > 2 ? png(numbered_image(svo_width, svo_height, CV_8UC1, i))
                                           : units[static_cast<std::size_t>(i)],
                    i);
     }

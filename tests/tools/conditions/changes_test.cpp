@@ -176,7 +176,7 @@ TEST(Changes, LowerQualityIsFartherFromTheImage) {
     }
 }
 
-CourseCamera small_camera() {
+CourseCamera changed_camera() {
     CourseCamera camera;
     camera.width = width;
     camera.height = height;
@@ -196,7 +196,7 @@ TEST(Changes, GlassShowsWhatIsBehindAndAMirrorDoesNot) {
     add_glass(glass, 100);
     CourseMaker mirror(course, 1);
     add_mirror(mirror, 100);
-    const CourseCamera camera = small_camera();
+    const CourseCamera camera = changed_camera();
     CourseView view;
     add_truth(glass.course, camera, view);
     const std::vector<double> open = draw_luma(course, camera, false, {});
@@ -220,16 +220,16 @@ TEST(Changes, WhatIsAddedLooksAsIfAllWereDrawnAnew) {
         CourseMaker changed(course, 1);
         add(changed, 0.6);
         for (const bool right : {false, true}) {
-            std::vector<double> luma = draw_luma(course, small_camera(), right, {});
-            draw_added(changed.course, small_camera(), right, course.obstacles.size(), luma);
-            EXPECT_EQ(luma, draw_luma(changed.course, small_camera(), right, {}));
+            std::vector<double> luma = draw_luma(course, changed_camera(), right, {});
+            draw_added(changed.course, changed_camera(), right, course.obstacles.size(), luma);
+            EXPECT_EQ(luma, draw_luma(changed.course, changed_camera(), right, {}));
         }
     }
 }
 
 /// What a scan that says free everywhere counts.
 ScanCounts judged_as_free(const Course& course) {
-    const CourseCamera camera = small_camera();
+    const CourseCamera camera = changed_camera();
     CourseView view;
     add_truth(course, camera, view);
     Scan scan;
@@ -270,7 +270,7 @@ TEST(Changes, ThingsStandWhereTheirStrengthSays) {
     add_fence(fence, 2);
     EXPECT_NEAR(fence.course.obstacles.back().centre.y - fence.course.obstacles.front().centre.y, 2, 0.15);
     CourseView view;
-    add_truth(wires.course, small_camera(), view);
+    add_truth(wires.course, changed_camera(), view);
     EXPECT_GT(std::count_if(view.object.begin(), view.object.end(), [](auto object) { return object >= 0; }), 50);
 }
 

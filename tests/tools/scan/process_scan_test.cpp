@@ -23,12 +23,12 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* scene = "scene:vga?width=160&height=120&frames=3";
+constexpr const char* scanned_scene = "scene:vga?width=160&height=120&frames=3";
 
 class ProcessScanTest : public FolderTest {
 protected:
     Outcome process(const std::string& folder, std::vector<std::string> more) const {
-        more.insert(more.begin(), {"process", scene, "-o", path(folder), "--disparities", "32"});
+        more.insert(more.begin(), {"process", scanned_scene, "-o", path(folder), "--disparities", "32"});
         return run(DISPARITYCTL, more);
     }
 
@@ -140,7 +140,7 @@ TEST_F(ProcessScanTest, WhatIsNotAllowedIsOneLine) {
 /// A recording of the rendered scene with samples of a camera that is turned by 5 degrees, its nose down.
 void record_leaning_scene(const std::string& path) {
     capture::SourceOptions options;
-    options.uri = scene;
+    options.uri = scanned_scene;
     options.pace = capture::Pace::fastest;
     const auto source = capture::open_source(options);
     capture::RecordingWriter writer(path, source->info());
