@@ -16,7 +16,12 @@ show_times() {
     done < <(printf '%s\tthe whole\n' "$SECONDS"; sort -rn "${results:?}/times.tsv")
 }
 
-step() { printf '\n== %s (%d:%02d)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
+step() { printf '\n== %s (%d:%02d)%s\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)) "$(done_so_far)"; }
+
+# done_so_far: the steps that took a minute or more. A run that is ended from outside still tells in its last lines what took the time.
+done_so_far() {
+    [[ ! -e ${results:-}/times.tsv ]] || awk -F '\t' '$1 >= 60 { printf "; %s %d:%02d", $2, $1 / 60, $1 % 60 }' "$results/times.tsv"
+}
 
 # note passed|failed|skipped WHAT: the outcome of a step that is no ctest run.
 note() {
