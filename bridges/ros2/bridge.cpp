@@ -109,7 +109,8 @@ ros::Wanted Bridge::wanted() {
         offer = offer_;
     }
     ros::Wanted all;
-    for (const Output& output : outputs_) {
+    for (Output& output : outputs_) {
+        output.asked = false;
         if (output.publisher->readers() == 0) {
             continue;
         }
@@ -117,6 +118,8 @@ ros::Wanted Bridge::wanted() {
             offer ? ros::needs_of(output.content, *offer) : may_need(output.content);
         if (needs) {
             all.add(*needs);
+            output.asked = true;
+            output.certain = offer ? needs->products : std::vector<Product>();
         } else {
             note_missing(output, *offer);
         }
@@ -168,7 +171,7 @@ void Bridge::publish_frame() {
         settings_.encoding.raw = raw_;
     }
     for (const Output& output : outputs_) {
-        if (output.publisher->readers() == 0 || !is_due(output.content)) {
+        if (output.publisher->readers() == 0 || !is_whole(output) || !is_due(output.content)) {
             continue;
         }
         if (std::optional<std::string> message = ros::encode(output.content, frame_, settings_.encoding)) {
@@ -184,6 +187,17 @@ void Bridge::remind_of_yaw(const Output& scan) {
     if (const std::string text = ros::yaw_of_scans_text(settings_.tree); !text.empty()) {
         say("yaw", scan.publisher->topic() + ": " + text, Notes::Repeat::never);
     }
+}
+
+/// Whether the frame has all that the content is made of. A cloud of points would have no colours and another layout
+/// where the frame was asked for before somebody wanted the cloud, or was on its way then.
+bool Bridge::is_whole(const Output& output) const {
+    const bool may_be_less = output.content == Content::points;
+    return output.asked &&
+           (!may_be_less || std::all_of(output.certain.begin(), output.certain.end(), [this](Product product) {
+               return std::any_of(frame_.planes.begin(), frame_.planes.end(),
+                                  [&](const disparity::PlaneData& plane) { return plane.product == product; });
+           }));
 }
 
 bool Bridge::is_due(Content content) {

@@ -57,6 +57,9 @@ private:
     struct Output {
         ros::Content content;
         const Publisher* publisher;
+        bool asked = false;  ///< the frame was asked for with what this needs
+        /// What the frame has of that, unless it was on its way before; nothing: the daemon tells no status.
+        std::vector<disparity::Product> certain = {};
     };
 
     ros::Wanted wanted();
@@ -66,6 +69,7 @@ private:
     void publish(const Output& output, std::string message);
     void remind_of_yaw(const Output& scan);
     bool is_due(ros::Content content);
+    bool is_whole(const Output& output) const;
     void take_status(const std::string& bytes);
     void take_samples(const disparity::SensorBatch& batch);
     void take_absence(const std::string& why);
