@@ -126,6 +126,10 @@ class Submissions(unittest.TestCase):
         refused("--submission: found 'kitti=x', allowed: kitti2012=FOLDER", scene, "--submission", "kitti=x")
         refused("lies in", scene, "--submission", f"eth3d={self.folder}/out/submit")
         refused("--submission-name: found 'a_s'", scene, "--submission", f"middlebury={self.submit}", "--submission-name", "a_s")
+        other = self.scenes(made_data.middlebury_v3, self.data / "again/trainingQ", self.data / "again/trainingQ")[0]
+        refused("are scenes of the same name", scene, other, "--submission", f"middlebury={self.submit}")
+        refused("are scenes of the same name", scene, other, "--submission", f"eth3d={self.submit}")
+        refused("found 2 sources, whose frames may have the same names", scene, other, "--submission", f"kitti2012={self.submit}")
         self.assertFalse((self.folder / "out").exists())
         refused("im0.png: is no frame of KITTI", scene, "--submission", f"kitti2015={self.submit}", status=1)
         for frame in "ab":

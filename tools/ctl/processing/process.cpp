@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -268,7 +269,10 @@ int process(const ProcessArguments& arguments) {
     }
     check(arguments);
     if (!arguments.submission.empty() && !arguments.plan) {
-        check_submission(parse_submission(arguments.submission, arguments.submission_name, arguments.folder),
+        std::vector<std::string> sources;
+        std::transform(all.begin(), all.end(), std::back_inserter(sources),
+                       [](const ListedSource& listed) { return listed.uri; });
+        check_submission(parse_submission(arguments.submission, arguments.submission_name, arguments.folder), sources,
                          arguments.force || arguments.resume);
     }
     const std::vector<ListedSource> mine = arguments.split ? in_order(all) : shard_of(all, arguments.shard);

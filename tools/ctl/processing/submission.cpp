@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -134,18 +135,28 @@ std::string write_kitti(const Submission& submission, const ProcessDone& done, c
     return folder.string() + ": " + base::counted(written, "result");
 }
 
-/// Returns the folder of the scene that is the source.
-fs::path scene_of(const ProcessDone& done, std::size_t frames) {
-    const fs::path path = fs::absolute(done.source.substr(0, done.source.find('?'))).lexically_normal();
-    if (!base::is_folder(path) || frames != 1) {
-        throw std::invalid_argument("--submission: " + done.source + ": has " + base::counted(frames, "frame") +
-                                    ", allowed: the folder of a scene, with one pair");
-    }
+/// Returns the folder that the source names.
+fs::path scene_of(const std::string& source) {
+    const fs::path path = fs::absolute(source.substr(0, source.find('?'))).lexically_normal();
     return path.has_filename() ? path : path.parent_path();
 }
 
+/// Returns where the results of a scene lie in the folder to send, without their endings.
+fs::path place_of(const Submission& submission, const fs::path& scene) {
+    if (submission.benchmark == Benchmark::eth3d) {
+        return fs::path("low_res_two_view") / scene.filename();
+    }
+    const std::string set = scene.parent_path().filename().string();
+    const bool known_set = set.starts_with("training") || set.starts_with("test");
+    return fs::path(known_set ? set : "") / scene.filename();
+}
+
 std::string write_scene(const Submission& submission, const ProcessDone& done, const std::vector<Result>& results) {
-    const fs::path scene = scene_of(done, results.size());
+    const fs::path scene = scene_of(done.source);
+    if (!base::is_folder(scene) || results.size() != 1) {
+        throw std::invalid_argument("--submission: " + done.source + ": has " + base::counted(results.size(), "frame") +
+                                    ", allowed: the folder of a scene, with one pair");
+    }
     const Result& result = results.front();
     const images::FloatMap map = images::fill_all(read_map(result));
     if (!std::all_of(map.values.begin(), map.values.end(), [](float value) { return std::isfinite(value); })) {
@@ -153,19 +164,16 @@ std::string write_scene(const Submission& submission, const ProcessDone& done, c
                                     ": nothing was measured, so that no hole can be "
                                     "filled; each pixel must have a disparity");
     }
-    const std::string name = scene.filename().string(), set = scene.parent_path().filename().string();
+    const fs::path place = fs::path(submission.folder) / place_of(submission, scene);
     const std::string seconds = fixed(result.seconds, 6);
     fs::path disparity, time;
     std::string text = seconds + '\n';
     if (submission.benchmark == Benchmark::middlebury) {
-        const bool known_set = set.starts_with("training") || set.starts_with("test");
-        const fs::path folder = fs::path(submission.folder) / (known_set ? set : "") / name;
-        disparity = folder / ("disp0" + submission.method + ".pfm");
-        time = folder / ("time" + submission.method + ".txt");
+        disparity = place / ("disp0" + submission.method + ".pfm");
+        time = place / ("time" + submission.method + ".txt");
     } else {
-        const fs::path folder = fs::path(submission.folder) / "low_res_two_view";
-        disparity = folder / (name + ".pfm");
-        time = folder / (name + ".txt");
+        disparity = place.string() + ".pfm";
+        time = place.string() + ".txt";
         text.insert(0, "runtime ");
     }
     make_folder(disparity.parent_path());
@@ -206,7 +214,25 @@ Submission parse_submission(const std::string& text, const std::string& method, 
     return submission;
 }
 
-void check_submission(const Submission& submission, bool may_hold_some) {
+void check_submission(const Submission& submission, std::span<const std::string> sources, bool may_hold_some) {
+    if (!submission.dense() && sources.size() > 1) {
+        throw std::invalid_argument(
+            "--submission: found " + std::to_string(sources.size()) +
+            " sources, whose frames may have the same names, allowed for KITTI: one, the folder "
+            "of its testing set");
+    }
+    std::map<fs::path, std::string> places;
+    for (const std::string& source : sources) {
+        if (!submission.dense()) {
+            break;
+        }
+        const auto [place, is_new] = places.emplace(place_of(submission, scene_of(source)), source);
+        if (!is_new) {
+            throw std::invalid_argument("--submission: " + source + " and " + place->second +
+                                        " are scenes of the same name, and the results of one would replace those of "
+                                        "the other; allowed: one of them");
+        }
+    }
     std::error_code none;
     if (fs::exists(submission.folder, none) && !base::is_folder(submission.folder)) {
         throw std::invalid_argument("--submission: " + submission.folder +

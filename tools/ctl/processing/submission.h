@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "tools/ctl/processing/process_report.h"
@@ -25,9 +26,9 @@ struct Submission {
 /// that no file may have, and a folder that lies in `output`.
 Submission parse_submission(const std::string& text, const std::string& method, const std::string& output);
 
-/// Throws std::invalid_argument where the folder holds something already and may not: then only what has the same name
-/// is replaced.
-void check_submission(const Submission& submission, bool may_hold_some);
+/// Throws std::invalid_argument where two of these sources would have results of one name, and where the folder holds
+/// something already and may not: then only what has the same name is replaced.
+void check_submission(const Submission& submission, std::span<const std::string> sources, bool may_hold_some);
 
 /// Writes the results of a source, of which `done` names a folder with all frames; returns where they are:
 /// "submit/disp_0: 200 results". Throws std::invalid_argument with one line where the source is not of the benchmark's
