@@ -9,6 +9,7 @@
 #include "capture/scene/scene_camera.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/recording/record_fixture.h"
+#include "tests/data_folder.h"
 
 namespace disparityd::calibration {
 namespace {
@@ -331,8 +332,7 @@ TEST_F(CalibrationFiles, TheProcessLocaleChangesNothing) {
 }
 
 TEST(RealCalibration, FactoryFilesOfTwoCameras) {
-    const char* given = std::getenv("DISPARITYD_DATA");
-    const std::filesystem::path zed = std::filesystem::path(given != nullptr ? given : DISPARITYD_DEFAULT_DATA) / "zed";
+    const std::filesystem::path zed = disparityd::test::data_folder() / "zed";
     if (!std::filesystem::is_directory(zed)) {
         GTEST_SKIP() << "no evaluation data at DISPARITYD_DATA or ../shared/data";
     }

@@ -15,16 +15,12 @@
 #include "kernels/reference/steps.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/recording/record_fixture.h"
+#include "tests/data_folder.h"
 
 namespace disparityd::calibration {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path real_camera_folder() {
-    const char* named = std::getenv("DISPARITYD_DATA");
-    return named != nullptr ? named : DISPARITYD_DEFAULT_DATA;
-}
 
 /// Noise, side by side: every pixel that is taken from a wrong place, or weighted wrongly, shows.
 cv::Mat noise(int eye_width, int height) {
@@ -77,7 +73,7 @@ void expect_remap_with_and_without_k3(StereoCalibration calibration) {
 }
 
 TEST(RectificationOfRealCameras, EqualsRemapForEachZedAndMode) {
-    const fs::path folder = real_camera_folder() / "zed";
+    const fs::path folder = disparityd::test::data_folder() / "zed";
     if (!fs::exists(folder)) {
         GTEST_SKIP() << "no calibrations in " << folder << "; DISPARITYD_DATA names the folder";
     }
@@ -97,7 +93,7 @@ TEST(RectificationOfRealCameras, EqualsRemapForEachZedAndMode) {
 }
 
 TEST(RectificationOfRealCameras, EqualsRemapForOpenCvsOwnPair) {
-    const fs::path intrinsics = real_camera_folder() / "opencv_calib" / "intrinsics.yml";
+    const fs::path intrinsics = disparityd::test::data_folder() / "opencv_calib" / "intrinsics.yml";
     if (!fs::exists(intrinsics)) {
         GTEST_SKIP() << "no " << intrinsics << "; DISPARITYD_DATA names the folder";
     }

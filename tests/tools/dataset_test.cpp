@@ -9,6 +9,7 @@
 
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/recording/record_fixture.h"
+#include "tests/data_folder.h"
 
 namespace disparityd::datasets {
 namespace {
@@ -154,8 +155,7 @@ TEST(DatasetRefuses, FilesThatDoNotBelongTogetherOrAreDamaged) {
 }
 
 TEST(Dataset, TheEvaluationScenesAreAllFound) {
-    const char* given = std::getenv("DISPARITYD_DATA");
-    const std::filesystem::path root = given != nullptr ? given : DISPARITYD_DEFAULT_DATA;
+    const std::filesystem::path root = disparityd::test::data_folder();
     if (!std::filesystem::is_directory(root / "middlebury2003")) {
         GTEST_SKIP() << "no evaluation data at DISPARITYD_DATA or ../shared/data";
     }

@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calibration/board/board.h"
+#include "tests/data_folder.h"
 
 namespace disparityd::calibration {
 namespace {
@@ -21,8 +22,7 @@ Plane<const std::uint8_t> plane(const cv::Mat& image) {
 }
 
 TEST(BoardPairs, ReachTheErrorOfStereoCalibrate) {
-    const char* named = std::getenv("DISPARITYD_DATA");
-    const fs::path folder = fs::path(named != nullptr ? named : DISPARITYD_DEFAULT_DATA) / "opencv_calib";
+    const fs::path folder = disparityd::test::data_folder() / "opencv_calib";
     if (!fs::exists(folder / "left01.jpg")) {
         GTEST_SKIP() << "no pairs in " << folder << "; DISPARITYD_DATA names the folder";
     }

@@ -18,15 +18,15 @@
 #include "calibration/online/self_calibration.h"
 #include "kernels/matcher.h"
 #include "tests/calibration/online/rectified_pair.h"
+#include "tests/data_folder.h"
 
 namespace disparityd::calibration {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path data_folder() {
-    const char* named = std::getenv("DISPARITYD_DATA");
-    return fs::path(named != nullptr ? named : DISPARITYD_DEFAULT_DATA) / "zed";
+fs::path zed_folder() {
+    return disparityd::test::data_folder() / "zed";
 }
 
 cv::Mat as_matrix(const test::Grey& image) {
@@ -161,7 +161,7 @@ Matched match_densely(const test::Grey& left, const test::Grey& right, const Dis
 class ZedPair : public testing::Test {
 protected:
     void SetUp() override {
-        const fs::path pair = data_folder() / "indoor_zed_sn21531_hd720_15";
+        const fs::path pair = zed_folder() / "indoor_zed_sn21531_hd720_15";
         if (!fs::exists(pair / "left_raw.png")) {
             GTEST_SKIP() << "no pair at " << pair << "; DISPARITYD_DATA names the folder";
         }
@@ -170,7 +170,7 @@ protected:
         sdk_left_ = cv::imread((pair / "left_rect.png").string(), cv::IMREAD_GRAYSCALE);
         sdk_right_ = cv::imread((pair / "right_rect.png").string(), cv::IMREAD_GRAYSCALE);
         cv::hconcat(left_, right_, side_by_side_);
-        factory_ = read_calibration((data_folder() / "SN21531_derived.conf").string(), left_.cols, left_.rows);
+        factory_ = read_calibration((zed_folder() / "SN21531_derived.conf").string(), left_.cols, left_.rows);
     }
 
     RawImage raw() const {

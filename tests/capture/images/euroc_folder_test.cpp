@@ -12,6 +12,7 @@
 #include "tests/calibration/calibration_texts.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/recording/record_fixture.h"
+#include "tests/data_folder.h"
 
 namespace disparityd::capture {
 namespace {
@@ -336,8 +337,7 @@ TEST_F(EurocFolder, DamagedFilesGiveALineOrFrames) {
 }
 
 TEST(EurocData, RealFoldersAreReadWithTheirCalibration) {
-    const char* named = std::getenv("DISPARITYD_DATA");
-    const fs::path folder = fs::path(named != nullptr ? named : DISPARITYD_DEFAULT_DATA) / "euroc";
+    const fs::path folder = disparityd::test::data_folder() / "euroc";
     if (!fs::exists(folder / "mav0")) {
         GTEST_SKIP() << "no EuRoC images in " << folder << "; DISPARITYD_DATA names the folder";
     }
