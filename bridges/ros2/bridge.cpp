@@ -194,10 +194,8 @@ void Bridge::remind_of_yaw(const Output& scan) {
 bool Bridge::is_whole(const Output& output) const {
     const bool may_be_less = output.content == Content::points;
     return output.asked &&
-           (!may_be_less || std::all_of(output.certain.begin(), output.certain.end(), [this](Product product) {
-               return std::any_of(frame_.planes.begin(), frame_.planes.end(),
-                                  [&](const disparity::PlaneData& plane) { return plane.product == product; });
-           }));
+           (!may_be_less || std::all_of(output.certain.begin(), output.certain.end(),
+                                        [this](Product product) { return frame_.plane(product) != nullptr; }));
 }
 
 bool Bridge::is_due(Content content) {

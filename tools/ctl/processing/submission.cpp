@@ -182,6 +182,27 @@ std::string write_scene(const Submission& submission, const ProcessDone& done, c
     return disparity.string() + ": 1 result";
 }
 
+/// Throws where the results of two sources would have the same name.
+void check_names(const Submission& submission, std::span<const std::string> sources) {
+    if (!submission.dense()) {
+        if (sources.size() > 1) {
+            throw std::invalid_argument("--submission: found " + std::to_string(sources.size()) +
+                                        " sources, whose frames may have the same names, allowed for KITTI: one, the "
+                                        "folder of its testing set");
+        }
+        return;
+    }
+    std::map<fs::path, std::string> places;
+    for (const std::string& source : sources) {
+        const auto [place, is_new] = places.emplace(place_of(submission, scene_of(source)), source);
+        if (!is_new) {
+            throw std::invalid_argument("--submission: " + source + " and " + place->second +
+                                        " are scenes of the same name, and the results of one would replace those of "
+                                        "the other; allowed: one of them");
+        }
+    }
+}
+
 }  // namespace
 
 Submission parse_submission(const std::string& text, const std::string& method, const std::string& output) {
@@ -215,24 +236,7 @@ Submission parse_submission(const std::string& text, const std::string& method, 
 }
 
 void check_submission(const Submission& submission, std::span<const std::string> sources, bool may_hold_some) {
-    if (!submission.dense() && sources.size() > 1) {
-        throw std::invalid_argument(
-            "--submission: found " + std::to_string(sources.size()) +
-            " sources, whose frames may have the same names, allowed for KITTI: one, the folder "
-            "of its testing set");
-    }
-    std::map<fs::path, std::string> places;
-    for (const std::string& source : sources) {
-        if (!submission.dense()) {
-            break;
-        }
-        const auto [place, is_new] = places.emplace(place_of(submission, scene_of(source)), source);
-        if (!is_new) {
-            throw std::invalid_argument("--submission: " + source + " and " + place->second +
-                                        " are scenes of the same name, and the results of one would replace those of "
-                                        "the other; allowed: one of them");
-        }
-    }
+    check_names(submission, sources);
     std::error_code none;
     if (fs::exists(submission.folder, none) && !base::is_folder(submission.folder)) {
         throw std::invalid_argument("--submission: " + submission.folder +
